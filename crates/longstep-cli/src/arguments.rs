@@ -19,7 +19,7 @@ pub(crate) use domain::{DomainCommand, NewDomainArguments, TryArguments};
 pub(crate) use eval::{EvalArguments, EvalCommand};
 pub(crate) use model::{ModelArguments, ModelCommand};
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
-pub(crate) use run::{ApprovalArgument, ExecutionArguments, ObserveArgument, RunArguments};
+pub(crate) use run::{ApprovalArgument, ExecutionArguments, ObserveArgument, RunArguments, TrustArgument};
 pub(crate) use see::SeeArguments;
 pub(crate) use strategy::StrategyArguments;
 pub(crate) use teach::TeachArguments;

@@ -1,9 +1,12 @@
 //! The input of `longstep verify`, `longstep repair` and `longstep export`: a plan file and its world.
 
 use anyhow::Result;
+use longstep::goal::Goal;
 use longstep::report::Assessment;
 use longstep_core::environment::World;
+use longstep_core::goal::{self, GoalError};
 use longstep_core::json;
+use longstep_core::model::Prohibition;
 use longstep_core::plan;
 use longstep_core::verify::VerifiedPlan;
 use longstep_llm::load_domain;
@@ -16,6 +19,8 @@ use crate::{inputs, show};
 pub(crate) struct Draft {
     pub(crate) world: World,
     draft: plan::Draft,
+    /// The goal for which the plan was made, or for which it is to be run.
+    goal: Option<Goal>,
 }
 
 impl Draft {
@@ -36,8 +41,41 @@ impl Draft {
                     .into());
             }
         };
-        let world = inputs::with_rules(world, arguments.rules.as_deref())?;
-        Ok(Self { world, draft })
+        let mut world = inputs::with_rules(world, arguments.rules.as_deref())?;
+        let mut goal = None;
+        if let Some(purpose) = &draft.file.purpose {
+            let wrong = |error: GoalError| {
+                Failure::unreadable(format!("{shown}: the purpose of the plan cannot be read: {error}")).hint(
+                    "`purpose` has the goal and the rules for which the plan was made, with names of its environment",
+                )
+            };
+            let mut rules = Vec::new();
+            for rule in &purpose.rules {
+                world.add_values(rule);
+                rules.extend(goal::rules(&world, rule).map_err(wrong)?);
+            }
+            let is_new = |own: &Prohibition| world.prohibitions().iter().all(|known| known.written != own.written);
+            rules.retain(is_new);
+            world = world.with_prohibitions(rules);
+            if let Some(text) = &purpose.goal {
+                world.add_values(text);
+                goal = Some(goal::parse(&world, text).map_err(wrong)?);
+            }
+        }
+        Ok(Self { world, draft, goal })
+    }
+
+    /// Replaces the goal for which the plan was made.
+    pub(crate) fn pursue(&mut self, text: &str) -> Result<()> {
+        self.world.add_values(text);
+        self.goal = Some(goal::parse(&self.world, text)?);
+        Ok(())
+    }
+
+    /// The goal for which the plan was made, in the goal language; none if it is not known.
+    pub(crate) fn goal(&self) -> Option<String> {
+        let goal = self.goal.as_ref()?;
+        Some(goal.exact(&self.world).join(" & "))
     }
 
     /// Returns the plan; of one that is not valid shows why, and returns the exit code. `use_of` says what only verified plans
@@ -55,6 +93,10 @@ impl Draft {
     }
 
     pub(crate) fn assessment(&self) -> Assessment<'_> {
-        Assessment::new(&self.world, self.draft.clone(), None)
+        let assessment = Assessment::new(&self.world, self.draft.clone(), None);
+        match &self.goal {
+            Some(goal) => assessment.for_goal(goal.clone()),
+            None => assessment,
+        }
     }
 }

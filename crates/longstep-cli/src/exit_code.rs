@@ -22,5 +22,7 @@ pub(crate) const ROBOT_BUSY: u8 = 55;
 pub(crate) const ROBOT_MISSING: u8 = 56;
 /// A server of the robot has another type.
 pub(crate) const ROBOT_TYPE: u8 = 57;
+/// The goal of a run may be reached, and a fact of it was not seen.
+pub(crate) const NOT_SEEN: u8 = 58;
 /// The model or the network failed.
 pub(crate) const MODEL: u8 = 40;

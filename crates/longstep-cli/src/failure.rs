@@ -4,6 +4,7 @@ use longstep::dialogue::{DialogueError, PromptError};
 use longstep::goal::GoalError;
 use longstep::session::ResumeError;
 use longstep_core::diagnostic::Diagnostics;
+use longstep_core::secret;
 use longstep_llm::{AdvanceError, ConverseError, DomainError, FolderError, ModelError, TextFileError};
 
 use crate::output::{Style, remark};
@@ -59,9 +60,11 @@ pub(crate) fn tell(error: &anyhow::Error) -> u8 {
         return UNREADABLE;
     }
     let (hint, code) = classify(error);
-    remark!("{} {error:#}", "error:".red().bold());
+    // Errors quote what a person wrote, such as an address with a password.
+    let text = format!("{error:#}");
+    remark!("{} {}", "error:".red().bold(), secret::redacted(&text));
     if let Some(hint) = hint {
-        remark!("{} {hint}", "hint:".cyan().bold());
+        remark!("{} {}", "hint:".cyan().bold(), secret::redacted(&hint));
     }
     code
 }
@@ -141,13 +144,24 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
         return (Some(hint.to_owned()), UNREADABLE);
     }
     if let Some(error) = error.downcast_ref::<GoalError>() {
-        let hint = match error {
-            GoalError::UnknownName { .. } => {
-                "`longstep domain show DOMAIN --env ENV` lists the names of an environment"
-            }
-            _ => "`longstep domain show DOMAIN` lists the goals",
-        };
-        return (Some(hint.to_owned()), UNREADABLE);
+        return (goal_hint(error).map(str::to_owned), UNREADABLE);
     }
     (None, UNREADABLE)
+}
+
+/// The next step after an error in a goal; none where the error says it.
+fn goal_hint(error: &GoalError) -> Option<&'static str> {
+    match error {
+        GoalError::Empty => Some("write a goal on each side of every `&` and every `then`"),
+        GoalError::UnknownName { .. } | GoalError::UnknownKind { .. } => {
+            Some("`longstep domain show DOMAIN --env ENV` lists the names of an environment")
+        }
+        GoalError::UnknownWord { .. } | GoalError::WrongType { .. } => {
+            Some("`longstep domain show DOMAIN` lists the goals")
+        }
+        GoalError::UnknownState { .. } => Some("`longstep domain show DOMAIN` lists the states"),
+        GoalError::NeverHolds { .. } => Some("leave the rule out, or check the names in it"),
+        GoalError::NoMember { .. } => Some("change the conditions after `where` or the names after `except`"),
+        _ => None,
+    }
 }

@@ -5,16 +5,18 @@ mod person;
 pub(crate) mod robot;
 mod view;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use longstep_core::environment::World;
-use longstep_core::execution::{Approval, Execution, Stop, Watch};
+use longstep_core::execution::{Approval, Event, Execution, Resumed, Stop, Trust, Watch};
+use longstep_core::secret;
 use longstep_llm::{load_domain, session_directory};
 use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, reports};
 
-use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments};
-use crate::exit_code::{LIMIT, NOT_VALID, ROBOT, STOPPED};
+use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments, TrustArgument};
+use crate::exit_code::{LIMIT, NOT_SEEN, NOT_VALID, ROBOT, STOPPED};
 use crate::failure::Failure;
 use crate::output::remark;
 use crate::show;
@@ -24,7 +26,7 @@ use person::Person;
 
 pub(crate) use begin::{aim_of, execution, observing};
 pub(crate) use person::{Decide, decision};
-pub(crate) use robot::{Opened, exit_code as robot_exit_code, failure as robot_failure, open};
+pub(crate) use robot::{Entry, Opened, exit_code as robot_exit_code, failure as robot_failure, open};
 pub(crate) use view::{View, end};
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
@@ -49,7 +51,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     let Begun { plan, aim } = begun;
     let request = StopRequest::default();
     let _armed = armed(&request)?;
-    let opened = open(named, plan.world(), arguments.execution.live, &request)?;
+    let opened = open(named, plan.world(), arguments.execution.live, &request, Entry::New)?;
     let teach = "nothing has moved; `longstep teach PLAN.json --demo FILE` writes the values for `--skills FILE`";
     let execution = execution(&arguments.execution, &opened, &plan, &aim, teach)?;
     let path = match &arguments.log {
@@ -75,11 +77,29 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
         );
     }
     let domain = load_domain(&header.domain)?;
-    let execution = Execution::resume(&domain, &events).map_err(|error| Failure::unreadable(error.to_string()))?;
+    let resumed = Resumed {
+        approval: arguments.execution.approve.map(Approval::from),
+        trust: arguments.execution.trust.map(Trust::from),
+    };
+    let execution = Execution::resume(&domain, &events, resumed);
+    let execution = execution.map_err(|error| Failure::unreadable(error.to_string()))?;
     let named = arguments.robot.as_ref().unwrap_or(&header.robot);
+    if named.contains(secret::REMOVED) {
+        return Err(
+            Failure::unreadable(format!("the log does not keep the password of `{named}`"))
+                .hint("name the robot again with `--robot`")
+                .into(),
+        );
+    }
     let request = StopRequest::default();
     let _armed = armed(&request)?;
-    let opened = open(named, execution.world(), arguments.execution.live, &request)?;
+    let opened = open(
+        named,
+        execution.world(),
+        arguments.execution.live,
+        &request,
+        entry(&events),
+    )?;
     if opened.is_dry {
         return Err(Failure::unreadable("an interrupted run can only go on for real: this robot is not a simulation")
             .hint("add `--live`; the robot is observed first, and you are asked about steps that no observation decides")
@@ -88,6 +108,24 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
     check_resumed(&execution, opened.robot.as_ref())?;
     remark!("Resuming {}", path.display());
     carry_out(arguments, execution, opened, (log, path), &request)
+}
+
+/// Returns how a run goes on: the robot may still perform an order whose end the log does not have.
+fn entry(events: &[Event]) -> Entry {
+    let mut open = BTreeSet::new();
+    for event in events {
+        match event {
+            Event::Ordered { order, .. } => drop(open.insert(*order)),
+            Event::Performed { order, .. } | Event::Failed { order, .. } => drop(open.remove(order)),
+            // The orders before an earlier interruption were ended when the run went on.
+            Event::Interrupted { .. } => open.clear(),
+            _ => {}
+        }
+    }
+    match open.is_empty() {
+        true => Entry::New,
+        false => Entry::Interrupted,
+    }
 }
 
 /// Refuses a robot that does not observe what the run compares.
@@ -171,15 +209,20 @@ fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
             count => format!("{count} step(s) were under way: unknown until the world is observed"),
         };
         show::hint(&format!(
-            "{unknown}; `longstep run --resume {}` goes on from the observed world",
-            path.display()
+            "{unknown}; `longstep run --resume {log}` goes on from the observed world"
         ));
     } else if under_way > 0 {
         show::hint(&format!(
             "{under_way} step(s) were under way when the robot was stopped; {log} says which"
         ));
     }
-    if stop.is_resumable() {
+    if let Stop::Unseen { .. } = stop {
+        show::hint(
+            "let the robot look there, look yourself and pass `--approve changes`, or begin with `--trust promised`",
+        );
+    }
+    // The hint about a robot that failed has said so.
+    if stop.is_resumable() && !matches!(stop, Stop::Robot(_)) {
         show::hint(&format!("`longstep run --resume {log}` continues"));
     }
 }
@@ -190,6 +233,7 @@ fn code(stop: &Stop) -> u8 {
         Stop::GaveUp { .. } => longstep::report::Status::GaveUp.exit_code(),
         Stop::Broken { .. } => NOT_VALID,
         Stop::TooManyChanges(_) | Stop::Repeated => LIMIT,
+        Stop::Unseen { .. } => NOT_SEEN,
         Stop::Robot(_) => ROBOT,
         _ => STOPPED,
     }
@@ -217,6 +261,15 @@ impl From<ApprovalArgument> for Approval {
             ApprovalArgument::Never => Self::Never,
             ApprovalArgument::Changes => Self::Changes,
             ApprovalArgument::EachStep => Self::EachStep,
+        }
+    }
+}
+
+impl From<TrustArgument> for Trust {
+    fn from(argument: TrustArgument) -> Self {
+        match argument {
+            TrustArgument::Observed => Self::Observed,
+            TrustArgument::Promised => Self::Promised,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Answers as text for the terminal.
 
 use longstep::report::{self, Answer, Status};
+use longstep_core::domain::phrase;
 use longstep_core::environment::Environment;
 use longstep_core::plan::OutlineLine;
 use longstep_core::visible;
@@ -148,7 +149,7 @@ fn edits(answer: &Answer) {
             .steps
             .get(edit.at)
             .filter(|step| edit.kind != "drop" && !step.implicit.is_empty());
-        let about = step.map_or(String::new(), |step| format!(", {}", step.explanation));
+        let about = step.map_or(String::new(), |step| format!(", {}", phrase(&step.explanation)));
         match edit.kind {
             "drop" => print_line!("  {} {before}", "-".red()),
             "replace" => print_line!("  {} {number}. {after} instead of {before}{about}", "~".yellow()),

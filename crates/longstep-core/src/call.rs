@@ -6,6 +6,49 @@ use std::fmt;
 /// again.
 pub const NOTATION: [char; 5] = ['(', ')', ',', '&', '"'];
 
+/// Words of the goal language. No goal, state or number of a domain may have one as its word.
+const GOAL_KEYWORDS: [&str; 15] = [
+    "all",
+    "always",
+    "and",
+    "any",
+    "each",
+    "else",
+    "exactly",
+    "except",
+    "if",
+    "never",
+    "not",
+    "of",
+    "then",
+    "untouched",
+    "where",
+];
+
+/// Reserved words of the script notation. No call of an action may have one as its name.
+const SCRIPT_KEYWORDS: [&str; 43] = [
+    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "case", "class", "continue", "def",
+    "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "lane",
+    "match", "nonlocal", "not", "or", "parallel", "pass", "print", "raise", "range", "return", "sync", "try", "type",
+    "while", "with", "yield",
+];
+
+/// Returns true for a word of the goal language.
+///
+/// ```
+/// use longstep_core::call::{is_goal_keyword, is_script_keyword};
+/// assert!(is_goal_keyword("untouched") && !is_goal_keyword("put"));
+/// assert!(is_script_keyword("for") && !is_script_keyword("fore"));
+/// ```
+pub fn is_goal_keyword(word: &str) -> bool {
+    GOAL_KEYWORDS.contains(&word)
+}
+
+/// Returns true for a reserved word of the script notation.
+pub fn is_script_keyword(word: &str) -> bool {
+    SCRIPT_KEYWORDS.contains(&word)
+}
+
 /// A word with arguments in parentheses.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Call {

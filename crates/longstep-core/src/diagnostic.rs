@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::secret;
+
 /// A position in a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Position {
@@ -32,7 +34,7 @@ impl Position {
     }
 }
 
-/// One problem with its position.
+/// One problem with its position. The constructors remove passwords from what they quote.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Diagnostic {
     /// The file, as the user named it or relative to the domain's folder.
@@ -51,7 +53,7 @@ impl Diagnostic {
         Self {
             file: file.to_owned(),
             position: Some(position),
-            message: message.into(),
+            message: shown(message),
             hint: None,
         }
     }
@@ -61,7 +63,7 @@ impl Diagnostic {
         Self {
             file: file.to_owned(),
             position: None,
-            message: message.into(),
+            message: shown(message),
             hint: None,
         }
     }
@@ -69,9 +71,13 @@ impl Diagnostic {
     /// Adds advice to the diagnostic.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.hint = Some(hint.into());
+        self.hint = Some(shown(hint));
         self
     }
+}
+
+fn shown(text: impl Into<String>) -> String {
+    secret::redacted(&text.into()).into_owned()
 }
 
 impl fmt::Display for Diagnostic {

@@ -1,5 +1,6 @@
 //! Positions of values in a JSON text.
 
+use std::cell::OnceCell;
 use std::fmt;
 
 use jsonc_parser::ast::Value;
@@ -70,18 +71,39 @@ impl fmt::Display for Path {
 /// assert_eq!((position.line, position.column), (2, 2));
 /// ```
 pub fn locate(text: &str, path: &Path) -> Option<Position> {
-    let parsed = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default()).ok()?;
-    let mut value = parsed.value.as_ref()?;
-    for segment in &path.0 {
-        let next = match (segment, value) {
-            (Segment::Key(key), Value::Object(object)) => object.get(key).map(|property| &property.value),
-            (Segment::Index(index), Value::Array(array)) => array.elements.get(*index),
-            _ => None,
-        };
-        match next {
-            Some(next) => value = next,
-            None => break,
+    Locator::new(text).locate(path)
+}
+
+/// Finds the positions of several values in one text, which is parsed once.
+#[derive(Debug)]
+pub(crate) struct Locator<'a> {
+    text: &'a str,
+    parsed: OnceCell<Option<Value<'a>>>,
+}
+
+impl<'a> Locator<'a> {
+    pub(crate) fn new(text: &'a str) -> Self {
+        Self {
+            text,
+            parsed: OnceCell::new(),
         }
     }
-    Some(Position::of(text, value.start()))
+
+    /// Returns the position of a value as [`locate`] does.
+    pub(crate) fn locate(&self, path: &Path) -> Option<Position> {
+        let parse = || parse_to_ast(self.text, &CollectOptions::default(), &ParseOptions::default());
+        let mut value = self.parsed.get_or_init(|| parse().ok()?.value).as_ref()?;
+        for segment in &path.0 {
+            let next = match (segment, value) {
+                (Segment::Key(key), Value::Object(object)) => object.get(key).map(|property| &property.value),
+                (Segment::Index(index), Value::Array(array)) => array.elements.get(*index),
+                _ => None,
+            };
+            match next {
+                Some(next) => value = next,
+                None => break,
+            }
+        }
+        Some(Position::of(self.text, value.start()))
+    }
 }

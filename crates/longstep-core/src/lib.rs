@@ -3,8 +3,8 @@
 //!
 //! The modules are layers; none imports one below it in this list:
 //!
-//! - [`call`], [`diagnostic`], [`json`], [`visible`], [`effort`]: calls, source positions, escaping, and budgets of
-//!   work.
+//! - [`call`], [`diagnostic`], [`json`], [`visible`], [`secret`], [`effort`]: calls, source positions, escaping, the
+//!   removal of passwords, and budgets of work.
 //! - [`model`]: domains, facts, states and worlds as data.
 //! - [`domain`], [`environment`]: domains and worlds read from files, and written.
 //! - [`geometry`]: environments from scenes of boxes with poses.
@@ -32,6 +32,7 @@ pub mod plan;
 pub mod repair;
 pub mod schedule;
 pub mod search;
+pub mod secret;
 pub mod skill;
 pub mod verify;
 pub mod visible;

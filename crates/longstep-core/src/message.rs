@@ -90,7 +90,7 @@ impl Violation {
             }
             Self::Precondition { step, missing } => {
                 let texts = self.missing_in(voice, world);
-                let call = steps[*step].call(world);
+                let call = called(world, steps, *step);
                 let mut message = if texts.is_empty() {
                     format!("step {}: {call} can never be done like this", step + 1)
                 } else {
@@ -98,7 +98,7 @@ impl Violation {
                 };
                 for missing in missing {
                     let Some(culprit) = missing.undone_by else { continue };
-                    let call = steps[culprit].call(world);
+                    let call = called(world, steps, culprit);
                     if let Some(fact) = missing.fact {
                         let now = voice.fact(world, fact, !missing.holds);
                         message.push_str(&format!("; since step {} ({call}), {now}", culprit + 1));
@@ -133,7 +133,7 @@ impl Violation {
                 prohibition,
                 says,
             } => {
-                let call = steps[*step].call(world);
+                let call = called(world, steps, *step);
                 format!("step {}: {call} is forbidden by `{prohibition}`: {says}", step + 1)
             }
             Self::Claim { fact } => {
@@ -156,7 +156,7 @@ impl Violation {
                 }
             }
             Self::NoEffect { step } => {
-                let call = steps[*step].call(world);
+                let call = called(world, steps, *step);
                 format!("step {}: {call} changes nothing", step + 1)
             }
             Self::Unasked { entity } => {
@@ -171,7 +171,7 @@ impl Violation {
                 )
             }
             Self::Unreached { step } => {
-                let call = steps[*step].call(world);
+                let call = called(world, steps, *step);
                 format!("step {}: {call} is never reached", step + 1)
             }
             Self::EndlessLoop { step } => {
@@ -215,7 +215,7 @@ impl Violation {
                 format!("{pair}, and which comes first decides {name}")
             }
             Self::WrongActor { step, actor } => {
-                let call = steps[*step].call(world);
+                let call = called(world, steps, *step);
                 let whose = &world.entity(*actor).identifier;
                 format!(
                     "step {}: {call} stands in the lane of `{whose}`, and is not its step alone",
@@ -229,7 +229,7 @@ impl Violation {
                 )
             }
             Self::SensesInLane { step } => {
-                let call = steps[*step].call(world);
+                let call = called(world, steps, *step);
                 format!(
                     "step {}: {call} senses while another lane goes on; sense before or after",
                     step + 1
@@ -247,13 +247,20 @@ impl Violation {
     }
 }
 
+/// The call of a step; "the step" where the caller knows no steps.
+fn called(world: &World, steps: &[Step], step: usize) -> String {
+    steps
+        .get(step)
+        .map_or_else(|| "the step".to_owned(), |step| step.call(world).to_string())
+}
+
 /// The prefix of a sentence about a step.
 fn at(step: Option<usize>) -> String {
     step.map_or(String::new(), |step| format!("step {}: ", step + 1))
 }
 
 fn together(world: &World, steps: &[Step], first: usize, second: usize) -> String {
-    let call = |step: usize| steps[step].call(world);
+    let call = |step: usize| called(world, steps, step);
     format!(
         "step {}: {} may happen at the same time as step {} ({})",
         first + 1,

@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
-use crate::json::{self, Path};
+use crate::json::{Locator, Path};
 use crate::model::{Action, ActionId, Domain, EntityId, SkillParameter, SkillSource, SkillType, World};
 use crate::plan::{Plan, StepId};
 
@@ -126,7 +126,7 @@ impl Skills {
         let mut reader = Reader {
             domain,
             file,
-            text,
+            locator: Locator::new(text),
             entries: Vec::new(),
             findings: Vec::new(),
         };
@@ -240,7 +240,7 @@ impl Skills {
 struct Reader<'a> {
     domain: &'a Domain,
     file: &'a str,
-    text: &'a str,
+    locator: Locator<'a>,
     entries: Vec<SkillEntry>,
     findings: Vec<Diagnostic>,
 }
@@ -253,10 +253,8 @@ impl Reader<'_> {
         };
         if self.findings.len() < 100 {
             self.findings.push(Diagnostic {
-                file: self.file.to_owned(),
-                position: json::locate(self.text, path),
-                message,
-                hint: None,
+                position: self.locator.locate(path),
+                ..Diagnostic::whole(self.file, message)
             });
         }
     }

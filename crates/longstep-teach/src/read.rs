@@ -150,6 +150,8 @@ impl Demonstration {
             },
             last: [f64::NEG_INFINITY; 2],
         };
+        // Some editors write a byte order mark at the beginning of a text.
+        let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
         match format {
             Format::Csv => read_csv(bytes, &mut builder)?,
             Format::Json => read_json(bytes, &mut builder)?,

@@ -15,7 +15,7 @@ pub(crate) struct RunArguments {
     #[arg(value_name = "PLAN.json|INSTRUCTION")]
     pub(crate) what: Option<String>,
     /// Log of an interrupted run to resume: a step that was under way is observed, or you are asked
-    #[arg(long, value_name = "RUN.jsonl", conflicts_with_all = ["env", "goal", "rules", "skills", "log"])]
+    #[arg(long, value_name = "RUN.jsonl", conflicts_with_all = ["env", "domain", "goal", "rules", "skills", "log", "observe", "changes"])]
     pub(crate) resume: Option<PathBuf>,
     /// Robot: sim, sim:OPTION=VALUE,..., process:COMMAND, ros2:robot.toml or virtualhome:URL [default with --resume: the robot of the run]
     #[arg(long, value_name = "ROBOT")]
@@ -29,7 +29,7 @@ pub(crate) struct RunArguments {
     /// File of rules that bind every plan, one a line: never opened(fridge)
     #[arg(long, value_name = "FILE")]
     pub(crate) rules: Option<PathBuf>,
-    /// Goal of the plan file, which changes of the plan pursue [default: what the plan itself brings about]
+    /// Goal of the plan, which it has to achieve and its changes pursue [default: the purpose in the plan file]
     #[arg(long, value_name = "GOAL")]
     pub(crate) goal: Option<String>,
     #[command(flatten)]
@@ -55,15 +55,20 @@ pub(crate) struct ExecutionArguments {
     /// Move a robot that is not a simulation; without this, a dry run shows what it would be sent
     #[arg(long)]
     pub(crate) live: bool,
-    /// When to ask you: never, before the plan and each change of it, or also before each step
-    #[arg(long, value_enum, default_value_t = ApprovalArgument::Changes)]
-    pub(crate) approve: ApprovalArgument,
-    /// When to observe the world; in any case before the end
-    #[arg(long, value_enum, default_value_t = ObserveArgument::EachStep)]
-    pub(crate) observe: ObserveArgument,
-    /// Number of changes of the plan after which the run stops
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    pub(crate) changes: u32,
+    /// When to ask you: never, before the plan and each change of it, or also before each step; with --resume, the stricter of
+    /// this and the run's own setting counts [default: changes]
+    #[arg(long, value_enum)]
+    pub(crate) approve: Option<ApprovalArgument>,
+    /// Evidence that the goal is reached: observations, or also the robot's promises; with --resume, the stricter counts
+    /// [default: observed]
+    #[arg(long, value_enum)]
+    pub(crate) trust: Option<TrustArgument>,
+    /// When to observe the world; in any case before the first step and before the end [default: each-step]
+    #[arg(long, value_enum)]
+    pub(crate) observe: Option<ObserveArgument>,
+    /// Number of changes of the plan after which the run stops [default: 8]
+    #[arg(long, value_name = "N")]
+    pub(crate) changes: Option<u32>,
     /// Values of skill parameters, by action and arguments
     #[arg(long, value_name = "SKILLS.json")]
     pub(crate) skills: Option<PathBuf>,
@@ -80,11 +85,20 @@ pub(crate) enum ApprovalArgument {
     EachStep,
 }
 
+/// The evidence that progress and the end need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TrustArgument {
+    /// What was observed since the last step that could have changed it; you are asked about the rest
+    Observed,
+    /// Also what the robot says it did; the run says what nobody has seen
+    Promised,
+}
+
 /// When the world is observed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ObserveArgument {
-    /// Before the first step and after each step
+    /// After each step
     EachStep,
-    /// After a failed step
+    /// After a failed step, and where a stage of the goal would be achieved
     OnFailure,
 }

@@ -15,7 +15,7 @@ use super::{Chat, screen};
 use crate::arguments::ExecutionArguments;
 use crate::failure::Failure;
 use crate::output::{self, Style, counted, print_line, remark};
-use crate::run::{self, Decide, Opened, View};
+use crate::run::{self, Decide, Entry, Opened, View};
 use crate::show;
 use crate::signals::{self, Armed};
 
@@ -72,7 +72,7 @@ impl<'a> ChatRobot<'a> {
                 request.attach(own.robot.stop_switch());
                 own
             }
-            _ => run::open(self.named, world, self.arguments.live, request)?,
+            _ => run::open(self.named, world, self.arguments.live, request, Entry::New)?,
         };
         Ok(opened.insert(own))
     }
@@ -153,7 +153,6 @@ impl Chat<'_> {
         let teach = "nothing has moved; begin again with `--skills FILE`";
         let mut execution = run::execution(robot.arguments, own, &plan, &aim, teach)?;
         let (body, is_dry) = (own.robot.as_mut(), own.is_dry);
-        execution.observe_first();
         let path = run::new_log(self.folder.path())?;
         let header = RunHeader {
             dry_run: is_dry,

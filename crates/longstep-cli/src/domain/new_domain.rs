@@ -84,6 +84,9 @@ fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result
     suite::load(&cases, &new.domain)?;
     let all: Vec<(String, String)> = new.files.into_iter().chain(extra).collect();
     write_folder(folder, &all)?;
+    for note in &new.notes {
+        print_line!("{} {note}", "note:".cyan().bold());
+    }
     for finding in &new.findings {
         let mut finding = finding.clone();
         let hint = finding.diagnostic.hint.take();

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
-use longstep_core::visible;
+use longstep_core::{secret, visible};
 
 use crate::arguments::Arguments;
 
@@ -13,9 +13,7 @@ pub(crate) fn parsed() -> Result<Arguments, u8> {
     let typed: Vec<OsString> = std::env::args_os().collect();
     Arguments::try_parse_from(&typed).map_err(|error| {
         // The error repeats arguments inside styled text, so arguments are escaped before.
-        let shown = typed
-            .iter()
-            .map(|argument| visible::line(&argument.to_string_lossy()).into_owned());
+        let shown = typed.iter().map(|argument| shown_argument(&argument.to_string_lossy()));
         match Arguments::try_parse_from(shown) {
             Err(same) if same.kind() == error.kind() => print(same),
             _ => print(error),
@@ -40,8 +38,13 @@ fn print(mut error: clap::Error) -> u8 {
     u8::try_from(error.exit_code()).unwrap_or(crate::exit_code::UNREADABLE)
 }
 
+/// Escapes an argument, without the passwords of addresses.
+fn shown_argument(argument: &str) -> String {
+    secret::redacted(&visible::line(argument)).into_owned()
+}
+
 fn visible_value(value: &ContextValue) -> Option<ContextValue> {
-    let line = |text: &String| visible::line(text).into_owned();
+    let line = |text: &String| shown_argument(text);
     match value {
         ContextValue::String(text) => Some(ContextValue::String(line(text))),
         ContextValue::Strings(texts) => Some(ContextValue::Strings(texts.iter().map(line).collect())),

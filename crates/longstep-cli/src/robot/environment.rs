@@ -3,6 +3,7 @@
 use anyhow::Result;
 use longstep_core::environment;
 use longstep_core::json::Path;
+use longstep_core::secret;
 use longstep_llm::{load_domain, write_whole};
 use longstep_robot::virtualhome::{self, Graph, Simulator};
 
@@ -10,6 +11,9 @@ use crate::arguments::RobotEnvironmentArguments;
 use crate::failure::Failure;
 use crate::output::{self, remark};
 use crate::run::robot::{failure, virtualhome_options};
+
+/// The most rooms that a hint lists.
+const LISTED: usize = 30;
 
 pub(crate) fn run(arguments: &RobotEnvironmentArguments) -> Result<u8> {
     let Some(rest) = arguments.robot.strip_prefix("virtualhome:") else {
@@ -27,7 +31,8 @@ pub(crate) fn run(arguments: &RobotEnvironmentArguments) -> Result<u8> {
     json.push('\n');
     // What the domain cannot read is found here, and not with the first plan.
     let domain = load_domain("virtualhome")?;
-    environment::read(&domain, &environment, &options.url, &json, &Path::default())?;
+    let address = secret::in_addresses(&options.url);
+    environment::read(&domain, &environment, &address, &json, &Path::default())?;
     remark!(
         "{} assets and {} objects for the domain `virtualhome`",
         environment.assets.len(),
@@ -63,8 +68,16 @@ fn check_rooms(graph: &Graph, wanted: &[String]) -> Result<()> {
         .collect();
     match wanted.iter().find(|room| !rooms.contains(&room.as_str())) {
         Some(room) => Err(Failure::unreadable(format!("the scene has no room `{room}`"))
-            .hint(format!("it has {}", rooms.join(", ")))
+            .hint(format!("it has {}", listed(&rooms)))
             .into()),
         None => Ok(()),
+    }
+}
+
+fn listed(rooms: &[&str]) -> String {
+    let shown: Vec<&str> = rooms.iter().take(LISTED).copied().collect();
+    match rooms.len().saturating_sub(LISTED) {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
     }
 }

@@ -7,7 +7,7 @@ use longstep::Goal;
 use longstep::report::{Answer, Status};
 use longstep::session::{Response, Session};
 use longstep_core::environment::World;
-use longstep_core::execution::{Aim, Approval, Execution, Settings};
+use longstep_core::execution::{Aim, Approval, BeginError, Execution, Settings, Trust, Watch};
 use longstep_core::skill::Skills;
 use longstep_core::verify::VerifiedPlan;
 use longstep_llm::{advance, read_text};
@@ -18,6 +18,7 @@ use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::draft::Draft;
+use crate::exit_code::NOT_VALID;
 use crate::failure::Failure;
 use crate::{inputs, plan, solve};
 
@@ -36,13 +37,16 @@ pub(super) fn begin(arguments: &RunArguments, what: &str) -> Result<Result<Begun
 }
 
 fn of_file(arguments: &RunArguments, path: &Path) -> Result<Result<Begun, u8>> {
-    let draft = Draft::read(&DraftArguments {
+    let mut draft = Draft::read(&DraftArguments {
         plan: path.to_owned(),
         env: arguments.env.clone(),
         domain: arguments.domain.clone(),
         rules: arguments.rules.clone(),
     })?;
-    let aim = Aim::from(arguments.goal.clone());
+    if let Some(goal) = &arguments.goal {
+        draft.pursue(goal)?;
+    }
+    let aim = Aim::from(draft.goal());
     Ok(draft.verified("run").map(|plan| Begun { plan, aim }))
 }
 
@@ -109,8 +113,19 @@ pub(crate) fn execution(
 ) -> Result<Execution> {
     let settings = settings(arguments, opened, plan.world())?;
     preflight(opened.robot.as_ref(), plan, &settings.skills).map_err(|error| failure(&error))?;
-    let execution = Execution::new(plan, aim, settings);
-    Ok(execution.map_err(|error| Failure::unreadable(error.to_string()).hint(teach))?)
+    Execution::new(plan, aim, settings).map_err(|error| refused(error, teach))
+}
+
+/// Returns the failure for a plan that is not carried out.
+fn refused(error: BeginError, teach: &str) -> anyhow::Error {
+    match error {
+        BeginError::Goal(error) => error.into(),
+        BeginError::Purpose(_) => Failure::new(error.to_string(), NOT_VALID)
+            .hint("nothing has moved; `longstep repair PLAN.json --save FILE` may mend the plan")
+            .into(),
+        BeginError::Untaught(_) => Failure::unreadable(error.to_string()).hint(teach).into(),
+        _ => Failure::unreadable(error.to_string()).into(),
+    }
 }
 
 /// Returns the settings of an execution on a robot. Nobody approves a dry run.
@@ -124,10 +139,15 @@ fn settings(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> R
     Ok(Settings {
         approval: match opened.is_dry {
             true => Approval::Never,
-            false => arguments.approve.into(),
+            false => arguments.approve.map_or_else(Approval::default, Approval::from),
         },
-        watch: arguments.observe.into(),
-        changes: arguments.changes,
+        trust: match opened.is_dry {
+            // Nothing is observed in a dry run.
+            true => Trust::Promised,
+            false => arguments.trust.map_or_else(Trust::default, Trust::from),
+        },
+        watch: arguments.observe.map_or_else(Watch::default, Watch::from),
+        changes: arguments.changes.unwrap_or(Settings::default().changes),
         reports: reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?,
         skills,
     })

@@ -12,6 +12,7 @@ use longstep_robot::{DryRun, Exclusive, Robot, RobotError, Sim, SimOptions, SimO
 
 use crate::exit_code::{ROBOT, ROBOT_BUSY, ROBOT_GONE, ROBOT_LATE, ROBOT_MISSING, ROBOT_REFUSED, ROBOT_TYPE, STOPPED};
 use crate::failure::Failure;
+use crate::output::{counted, remark};
 
 /// An open robot.
 pub(crate) struct Opened {
@@ -20,11 +21,20 @@ pub(crate) struct Opened {
     pub(crate) is_dry: bool,
 }
 
+/// The beginning of a run, as far as the robot is concerned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Entry {
+    /// The robot stands still.
+    New,
+    /// The robot may still perform orders of this run, which was interrupted.
+    Interrupted,
+}
+
 /// Opens a robot: `sim`, `sim:OPTIONS`, `process:COMMAND`, `ros2:FILE` or `virtualhome:URL`. A robot that is not a
 /// simulation moves only if `live` is true, and only if no other program drives it. The request stops it from then on, and
-/// ends the opening of a robot behind a program that takes its time.
-pub(crate) fn open(named: &str, world: &World, live: bool, request: &StopRequest) -> Result<Opened> {
-    let opened = open_kind(named, world, live, request)?;
+/// ends the opening of a robot behind a program that takes its time. Orders of an interrupted run have ended then.
+pub(crate) fn open(named: &str, world: &World, live: bool, request: &StopRequest, entry: Entry) -> Result<Opened> {
+    let opened = open_kind(named, world, live, request, entry)?;
     request.attach(opened.robot.stop_switch());
     match request.is_requested() {
         true => Err(failure(&RobotError::Stopped).into()),
@@ -32,7 +42,7 @@ pub(crate) fn open(named: &str, world: &World, live: bool, request: &StopRequest
     }
 }
 
-fn open_kind(named: &str, world: &World, live: bool, request: &StopRequest) -> Result<Opened> {
+fn open_kind(named: &str, world: &World, live: bool, request: &StopRequest, entry: Entry) -> Result<Opened> {
     let (kind, rest) = named.split_once(':').unwrap_or((named, ""));
     match kind {
         "sim" => {
@@ -44,10 +54,12 @@ fn open_kind(named: &str, world: &World, live: bool, request: &StopRequest) -> R
         }
         #[cfg(unix)]
         "process" if !rest.trim().is_empty() => process(rest, world, live, request),
-        "ros2" if !rest.trim().is_empty() => ros2(Path::new(rest), world, live),
+        "ros2" if !rest.trim().is_empty() => ros2(Path::new(rest), world, live, entry),
         "virtualhome" => {
-            let robot = VirtualHome::open(world.clone(), &virtualhome_options(rest)?);
-            moving(Box::new(robot.map_err(|error| failure(&error))?))
+            let options = virtualhome_options(rest)?;
+            locked(&options.drives(), || {
+                Ok(Box::new(VirtualHome::open(world.clone(), &options)?))
+            })
         }
         _ => Err(Failure::unreadable(format!("`{named}` is no robot"))
             .hint("write `sim`, `sim:faults=2,seed=7`, `process:COMMAND`, `ros2:robot.toml` or `virtualhome:URL`")
@@ -59,7 +71,9 @@ fn open_kind(named: &str, world: &World, live: bool, request: &StopRequest) -> R
 fn process(command: &str, world: &World, live: bool, request: &StopRequest) -> Result<Opened> {
     let command = longstep_robot::process::Command::parse(command).map_err(|error| failure(&error))?;
     let domain = world.domain().name.clone();
-    let command = command.scene(&domain, world.environment().clone());
+    let command = command
+        .presences(lock_folder()?)
+        .scene(&domain, world.environment().clone());
     let robot = command.open_until(request).map_err(|error| failure(&error))?;
     if live || robot.describe().simulated {
         return moving(Box::new(robot));
@@ -75,17 +89,35 @@ fn process(command: &str, world: &World, live: bool, request: &StopRequest) -> R
     dry(DryRun::new(&description, world.clone(), message))
 }
 
-fn ros2(path: &Path, world: &World, live: bool) -> Result<Opened> {
+fn ros2(path: &Path, world: &World, live: bool, entry: Entry) -> Result<Opened> {
     let configuration = configuration(path, world.domain(), Some(world))?;
     if live || configuration.is_simulated() {
-        let robot = Ros2::connect(configuration, world.domain()).map_err(|error| failure(&error))?;
-        return moving(Box::new(robot));
+        return connected(configuration, world.domain(), entry);
     }
     let preview = Preview::new(configuration, world.domain());
     let description = preview.description().clone();
     dry(DryRun::new(&description, world.clone(), move |order| {
         preview.message(order)
     }))
+}
+
+/// Connects to a robot behind a bridge, which no other program may drive by then.
+fn connected(configuration: Configuration, domain: &Domain, entry: Entry) -> Result<Opened> {
+    let drives = configuration.drives();
+    locked(&drives, || {
+        let robot = match entry {
+            Entry::New => Ros2::connect(configuration, domain)?,
+            Entry::Interrupted => Ros2::reconnect(configuration, domain)?,
+        };
+        let count = robot.cancelled();
+        if count > 0 {
+            remark!(
+                "Cancelled what the interrupted run had left under way: {}",
+                counted(count, "goal")
+            );
+        }
+        Ok(Box::new(robot))
+    })
 }
 
 /// Reads `robot.toml`, which has to fit the domain.
@@ -101,11 +133,19 @@ fn configuration(path: &Path, domain: &Domain, world: Option<&World>) -> Result<
 /// Returns a robot that moves, with its locks.
 fn moving(robot: Box<dyn Robot>) -> Result<Opened> {
     let drives = robot.describe().drives.clone();
-    let robot: Box<dyn Robot> = match drives.is_empty() {
-        true => robot,
-        false => Box::new(Exclusive::take(robot, &drives, &lock_folder()?).map_err(|error| failure(&error))?),
-    };
-    Ok(Opened { robot, is_dry: false })
+    match drives.is_empty() {
+        true => Ok(Opened { robot, is_dry: false }),
+        false => locked(&drives, || Ok(robot)),
+    }
+}
+
+/// Opens a robot that moves, after its locks were taken.
+fn locked(drives: &[String], open: impl FnOnce() -> Result<Box<dyn Robot>, RobotError>) -> Result<Opened> {
+    let robot = Exclusive::open(drives, &lock_folder()?, open).map_err(|error| failure(&error))?;
+    Ok(Opened {
+        robot: Box::new(robot),
+        is_dry: false,
+    })
 }
 
 fn dry(robot: Result<DryRun, RobotError>) -> Result<Opened> {
@@ -149,7 +189,7 @@ pub(crate) fn exit_code(error: &RobotError) -> u8 {
         RobotError::Unreachable { .. } | RobotError::Gone { .. } => ROBOT_GONE,
         RobotError::TimedOut { .. } => ROBOT_LATE,
         RobotError::Rejected { .. } => ROBOT_REFUSED,
-        RobotError::InUse { .. } => ROBOT_BUSY,
+        RobotError::InUse { .. } | RobotError::Abandoned { .. } | RobotError::UnderWay { .. } => ROBOT_BUSY,
         RobotError::Missing { .. } => ROBOT_MISSING,
         RobotError::WrongType { .. } => ROBOT_TYPE,
         _ => ROBOT,

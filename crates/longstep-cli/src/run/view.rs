@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use longstep_core::domain::phrase;
 use longstep_core::environment::World;
-use longstep_core::execution::{Effect, Event, Execution, Order, Proposal, Stop, Subject};
-use longstep_core::plan::outline;
-use longstep_core::verify::VerifiedPlan;
+use longstep_core::execution::{Effect, Event, Execution, Order, Proposal, Stop, Subject, Unseen};
+use longstep_core::plan::{Plan, outline};
 use longstep_robot::{Feedback, RobotError, RunLog, Watcher};
 
 use super::person::Decide;
@@ -90,9 +90,17 @@ impl<'a> View<'a> {
                     print_line!("        - {step}");
                 }
             }
+            Event::Trusted { unseen } => unseen_facts(unseen),
+            Event::Done { unseen, .. } if !self.is_dry => unseen_facts(unseen),
             Event::Found { order } => print_line!("{order:>4}  was done before the interruption, as the world shows"),
             _ => {}
         }
+    }
+}
+
+fn unseen_facts(unseen: &[Unseen]) {
+    for fact in unseen {
+        print_line!("      {} {}", "not shown:".yellow(), fact.sentence());
     }
 }
 
@@ -106,10 +114,16 @@ fn assessed(effect: Effect, because: &[String], steps: &[String]) {
                 print_line!("      the plan still works");
             }
         }
-        Effect::Helpful => print_line!("      skipped as needless: {}", steps.join(", ")),
-        Effect::Undone => print_line!("      to be done again: {}", steps.join(", ")),
+        Effect::Helpful => print_line!("      skipped as needless: {}", listed(steps)),
+        Effect::Undone => print_line!("      to be done again: {}", listed(steps)),
         Effect::Harmful => print_line!("      the plan no longer works from here"),
     }
+}
+
+/// Lists sentences in one line.
+fn listed(sentences: &[String]) -> String {
+    let phrases: Vec<&str> = sentences.iter().map(|sentence| phrase(sentence)).collect();
+    phrases.join(", ")
 }
 
 impl Watcher for View<'_> {
@@ -132,14 +146,18 @@ impl Watcher for View<'_> {
         match &proposal.subject {
             Subject::Plan if self.is_approved => Some(true),
             Subject::Plan => {
+                let rest = execution.cursor().rest();
                 if !self.json {
-                    steps(execution.plan());
+                    let plan = execution.plan();
+                    steps(plan.world(), rest.as_ref().map_or(plan.plan(), |rest| &rest.plan));
                 }
                 self.person.decide("Run this plan?")
             }
             // Its steps were printed with the event.
             Subject::Change(_) => self.person.decide("Go on with this change?"),
-            Subject::Step(order) => self.person.decide(&format!("Do this step: {}?", order.explanation)),
+            Subject::Step(order) => self
+                .person
+                .decide(&format!("Do this step: {}?", phrase(&order.explanation))),
             _ => None,
         }
     }
@@ -147,9 +165,18 @@ impl Watcher for View<'_> {
     fn judge(&mut self, _: &Execution, order: &Order) -> Option<bool> {
         let question = format!(
             "Step {} was under way when the program ended: {}. Was it done?",
-            order.number, order.explanation
+            order.number,
+            phrase(&order.explanation)
         );
         self.person.decide(&question)
+    }
+
+    fn confirm(&mut self, _: &Execution, unseen: &Unseen) -> Option<bool> {
+        let since = match unseen.order {
+            Some(order) => format!("Nobody has seen it since step {order}"),
+            None => "Nobody has seen it".to_owned(),
+        };
+        self.person.decide(&format!("{since}: {}. Is it so?", unseen.what))
     }
 
     fn feedback(&mut self, order: &Order, feedback: &Feedback) {
@@ -168,9 +195,9 @@ impl Watcher for View<'_> {
     }
 }
 
-fn steps(plan: &VerifiedPlan) {
+fn steps(world: &World, plan: &Plan) {
     show::heading("Plan");
-    show::steps(&outline(plan.world(), plan.plan()), |_| false);
+    show::steps(&outline(world, plan), |_| false);
     output::blank();
 }
 

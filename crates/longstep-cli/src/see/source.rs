@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::dialogue::{PICTURE_LIMIT, Picture, PictureError};
-use longstep_llm::{TextFileError, read_bounded};
+use longstep_llm::{TextFileError, read_bounded, text_of};
 
 use crate::arguments::SeeArguments;
 use crate::failure::Failure;
@@ -48,10 +48,7 @@ impl Source {
         let words = arguments.words.as_deref().unwrap_or_default().trim();
         match (scenes.pop(), scenes.is_empty()) {
             (Some((path, bytes)), true) if pictures.is_empty() && words.is_empty() => {
-                let text = String::from_utf8(bytes).map_err(|_| {
-                    let failure = Failure::unreadable(format!("{} is not a text file (not UTF-8)", path.display()));
-                    failure.hint("save it as UTF-8")
-                })?;
+                let text = text_of(bytes).map_err(|error| TextFileError::new(path, error))?;
                 let file = path.display().to_string();
                 return Ok(Self::Scene { file, text });
             }

@@ -5,7 +5,7 @@ use super::{
     Action, Atom, Domain, DomainData, EnvironmentTypes, Function, Lexicon, Predicate, PredicateWords, RepairCosts,
     StateWord, Template, Term, TypeId, Unknown,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 
 /// Reads a `domain.pddl` that has no `domain.toml` beside it.
 ///
@@ -43,6 +43,34 @@ pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
         Ok(with_plain_words(semantics))
     } else {
         Err(Diagnostics::sorted(findings))
+    }
+}
+
+/// The places in a PDDL file where its names are declared, in the order of the domain's lists.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct DeclarationPositions {
+    /// The predicates.
+    pub predicates: Vec<Position>,
+    /// The numeric functions.
+    pub functions: Vec<Position>,
+    /// The actions.
+    pub actions: Vec<Position>,
+}
+
+/// Returns the places of the declarations in a PDDL file that [`from_pddl`] reads.
+///
+/// ```
+/// use longstep_core::diagnostic::Position;
+/// let text = "(define (domain lamps)\n (:predicates (lit ?lamp)))";
+/// let positions = longstep_core::domain::declaration_positions(text);
+/// assert_eq!(positions.predicates, [Position { line: 2, column: 16 }]);
+/// ```
+pub fn declaration_positions(text: &str) -> DeclarationPositions {
+    let semantics = pddl::read("", text, Dialect::Standard, &mut Vec::new());
+    DeclarationPositions {
+        predicates: semantics.predicate_positions,
+        functions: semantics.function_positions,
+        actions: semantics.action_positions,
     }
 }
 

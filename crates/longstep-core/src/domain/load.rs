@@ -16,9 +16,9 @@ use super::{
     RepairCosts, Rule, RuleTime, SpatialRelation, StateWord, Template, TypeId, Unknown, base_name, pddl, plain_words,
     sexpr,
 };
-use crate::call::Call;
+use crate::call::{Call, is_script_keyword};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
-use crate::model::unified;
+use crate::model::{phrase, unified};
 
 /// Loads a domain from its files.
 ///
@@ -183,7 +183,8 @@ impl Loader<'_> {
 
     fn template(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Template {
         let index = |name: &str| parameters.iter().position(|p| p.name == name);
-        Template::read(text.get_ref(), index).unwrap_or_else(|hole| {
+        // It becomes a part of other sentences.
+        Template::read(phrase(text.get_ref()), index).unwrap_or_else(|hole| {
             if hole == "{" {
                 self.report(text, "a `{` is not closed");
             } else {
@@ -405,6 +406,10 @@ impl Loader<'_> {
                 let message = format!("`{}` is shown in the call already", known[shown]);
                 self.report(&entry.call, message);
             }
+            if is_script_keyword(&call.name) {
+                let message = format!("`{}` is a word of the notation of plans", call.name);
+                self.report_with_hint(&entry.call, message, format!("write `do_{}`", call.name));
+            }
             if let Some(other) = actions.iter().find(|a: &&Action| a.call == call.name) {
                 let message = format!("the call `{}` is taken by the action `{}`", call.name, other.name);
                 self.report(&entry.call, message);
@@ -438,6 +443,7 @@ impl Loader<'_> {
                 return None;
             }
         };
+        self.check_goal_keyword(&entry.word, &call.name);
         let mut parameters = vec![self_parameter()];
         for argument in &call.arguments {
             parameters.push(any_parameter(argument.trim_start_matches('<').trim_end_matches('>')));

@@ -20,10 +20,10 @@ pub use crate::model::{
     DomainData, Effect, EnvironmentTypes, FormPiece, Function, FunctionId, GoalWord, GoalWordId, Lexicon, Literal,
     NumberTest, NumericEffect, NumericExpression, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
     RepairCosts, Rule, RuleTime, Slot, SpatialRelation, StateWord, Template, Term, TypeId, Types, Unknown, base_name,
-    ends_with, head, label, matches_name, plain_words, singular, stem,
+    ends_with, head, label, matches_name, phrase, plain_words, singular, stem,
 };
 pub use crate::model::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
-pub use bare::from_pddl;
+pub use bare::{DeclarationPositions, declaration_positions, from_pddl};
 pub use files::Files;
 pub use load::{content_position, load, load_with_findings, read_toml};
 pub use shipped::{shipped, shipped_files, shipped_names};

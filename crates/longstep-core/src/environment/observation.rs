@@ -8,8 +8,8 @@ use super::statement::{Statement, fact_alone, is_stated, number_of, statement};
 use super::{EntityId, Fact, Fluent, Number, State, Words, World, fact_of};
 use crate::call::Call;
 use crate::model::{
-    Atom, Bindings, Condition, Domain, PredicateId, Rule, RuleTime, broken_bindings, entries_of, entry_of_number,
-    ground, state_word, subject_of,
+    Atom, Bindings, Condition, Domain, PredicateId, Rule, RuleTime, StateVariable, broken_bindings, entries_of,
+    entry_of_number, ground, state_word, subject_of,
 };
 
 /// The statements of an observation as a robot writes them.
@@ -202,6 +202,80 @@ impl Observation {
             || entries_of(world, fact).any(|(subject, _)| self.seen.binary_search(&subject).is_ok())
     }
 
+    /// Returns true if the observation states the fact.
+    pub(crate) fn states(&self, fact: Fact) -> bool {
+        self.facts.contains(&fact)
+    }
+
+    /// Returns the number of a fluent that the observation states; none if it does not state it.
+    pub fn number(&self, fluent: Fluent) -> Option<Number> {
+        let mut stated = self.numbers.iter().rev();
+        stated.find(|(own, _)| *own == fluent).map(|(_, number)| *number)
+    }
+
+    /// Returns true if the observation decides the fact, or states the number.
+    pub fn shows(&self, world: &World, variable: StateVariable) -> bool {
+        match variable {
+            StateVariable::Fact(fact) => self.decides(world, fact),
+            StateVariable::Number(fluent) => self.number(fluent).is_some(),
+        }
+    }
+
+    /// Returns true if some observation of a robot that reports these predicates can show the fact or the number.
+    pub fn can_show(world: &World, reports: &[PredicateId], variable: StateVariable) -> bool {
+        let domain = world.domain();
+        match variable {
+            StateVariable::Number(fluent) => domain.function(fluent.function()).changes,
+            StateVariable::Fact(fact) => {
+                let predicate = fact.predicate();
+                let has_words = is_stated(domain, predicate) || state_word(domain, predicate).is_some();
+                domain.words(predicate).fluent
+                    && !domain.is_sensed(predicate)
+                    && (has_words || reports.contains(&predicate))
+            }
+        }
+    }
+
+    /// The entities that the observation lists, sorted.
+    pub(crate) fn entities(&self) -> &[EntityId] {
+        &self.seen
+    }
+
+    /// The predicates of which the observation lists every fact.
+    pub(crate) fn predicates(&self) -> &[PredicateId] {
+        &self.complete
+    }
+
+    /// Returns true if the observation lists the facts without a subject.
+    pub(crate) fn lists_facts(&self) -> bool {
+        self.lists_facts
+    }
+
+    /// Returns true if the fact is listed without a subject.
+    pub(crate) fn is_without_subject(domain: &Domain, fact: Fact) -> bool {
+        is_stated(domain, fact.predicate())
+    }
+
+    /// Iterates over the facts that are stated, in no order.
+    pub(crate) fn facts(&self) -> impl Iterator<Item = Fact> + '_ {
+        self.facts.iter().copied()
+    }
+
+    /// Iterates over the numbers that are stated.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = (Fluent, Number)> + '_ {
+        self.numbers.iter().copied()
+    }
+
+    /// Returns true if two observations list the same entities, facts without a subject, and numbers.
+    pub fn lists_as(&self, other: &Self) -> bool {
+        let numbers = |own: &Self| {
+            let mut all: Vec<Fluent> = own.numbers.iter().map(|(fluent, _)| *fluent).collect();
+            all.sort_unstable();
+            all
+        };
+        self.seen == other.seen && self.lists_facts == other.lists_facts && numbers(self) == numbers(other)
+    }
+
     /// Returns the state that the observation implies, given the state that was believed before it.
     ///
     /// Facts that the observation does not decide stay as they were, unless they contradict an observed one by a rule
@@ -211,15 +285,16 @@ impl Observation {
         self.revised_but(world, believed, &FxHashSet::default())
     }
 
-    /// Revises a state as [`Observation::revised`] does, but leaves some facts as they were: those that steps are
-    /// changing at this moment.
-    pub(crate) fn revised_but(&self, world: &World, believed: &State, masked: &FxHashSet<Fact>) -> State {
+    /// Revises a state as [`Observation::revised`] does, but leaves some facts and numbers as they were: those that steps
+    /// are changing at this moment.
+    pub(crate) fn revised_but(&self, world: &World, believed: &State, masked: &FxHashSet<StateVariable>) -> State {
+        let is_masked = |fact: &Fact| masked.contains(&StateVariable::Fact(*fact));
         let domain = world.domain();
         let mut state = believed.clone();
         let mut changed = false;
         let gone: Vec<Fact> = believed
             .iter()
-            .filter(|fact| !self.facts.contains(fact) && !masked.contains(fact) && self.decides(world, *fact))
+            .filter(|fact| !self.facts.contains(fact) && !is_masked(fact) && self.decides(world, *fact))
             .collect();
         for fact in &gone {
             changed |= state.set(*fact, false);
@@ -227,7 +302,7 @@ impl Observation {
         for fact in self.unseen(world, believed, &gone, masked) {
             state.set(fact, false);
         }
-        let is_fluent = |fact: &&Fact| domain.words(fact.predicate()).fluent && !masked.contains(*fact);
+        let is_fluent = |fact: &&Fact| domain.words(fact.predicate()).fluent && !is_masked(fact);
         for fact in self.facts.iter().filter(is_fluent) {
             for outcome in domain.outcomes(*fact) {
                 changed |= outcome != *fact && state.set(outcome, false);
@@ -235,7 +310,8 @@ impl Observation {
             changed |= state.set(*fact, true);
         }
         for (fluent, number) in &self.numbers {
-            if domain.function(fluent.function()).changes {
+            let is_free = !masked.contains(&StateVariable::Number(*fluent));
+            if domain.function(fluent.function()).changes && is_free {
                 state.set_number(*fluent, *number);
             }
         }
@@ -247,7 +323,7 @@ impl Observation {
 
     /// Returns the facts without a state word about entities that are not where, or as, they were believed to be: the cup
     /// that lies on the table is not lifted, and the hand is not at it any more.
-    fn unseen(&self, world: &World, believed: &State, gone: &[Fact], masked: &FxHashSet<Fact>) -> Vec<Fact> {
+    fn unseen(&self, world: &World, believed: &State, gone: &[Fact], masked: &FxHashSet<StateVariable>) -> Vec<Fact> {
         let domain = world.domain();
         let mut moved: Vec<EntityId> = gone
             .iter()
@@ -265,7 +341,7 @@ impl Observation {
                 && !words.event
                 && state_word(domain, fact.predicate()).is_none()
                 && !domain.is_sensed(fact.predicate())
-                && !masked.contains(fact)
+                && !masked.contains(&StateVariable::Fact(*fact))
                 && !self.decides(world, *fact)
                 && domain.arguments(*fact).any(|own| moved.binary_search(&own).is_ok())
         };

@@ -8,7 +8,7 @@ use super::{Bindings, Entity, EntityId, Environment, Fact, Words, World};
 use crate::call::{Call, NOTATION};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use crate::effort;
-use crate::json::{self, Path};
+use crate::json::{Locator, Path};
 use crate::model::{
     Domain, ENTITY_LIMIT, Literal, PredicateId, RuleTime, TypeId, ground, grounded_term, is_mark, name_entities,
 };
@@ -39,7 +39,7 @@ pub fn read(
     let mut reader = EnvironmentReader {
         domain,
         file,
-        text,
+        locator: Locator::new(text),
         inside,
         findings: Vec::new(),
     };
@@ -102,7 +102,7 @@ pub fn parse(domain: &Domain, file: &str, text: &str) -> Result<World, Diagnosti
 struct EnvironmentReader<'a> {
     domain: &'a Domain,
     file: &'a str,
-    text: &'a str,
+    locator: Locator<'a>,
     inside: &'a Path,
     findings: Vec<Diagnostic>,
 }
@@ -117,11 +117,11 @@ impl EnvironmentReader<'_> {
             "" => message,
             path => format!("{path}: {message}"),
         };
-        self.findings.push(Diagnostic {
-            file: self.file.to_owned(),
-            position: json::locate(self.text, &path),
-            message,
-            hint,
+        let mut finding = Diagnostic::whole(self.file, message);
+        finding.position = self.locator.locate(&path);
+        self.findings.push(match hint {
+            Some(hint) => finding.hint(hint),
+            None => finding,
         });
     }
 

@@ -1,6 +1,7 @@
 //! The writer: converts a state to an environment.
 
 use indexmap::IndexMap;
+use rustc_hash::FxHashSet;
 
 use super::statement::{Statement, is_stated, number_of, statement};
 use super::{EntityId, Environment, Fact, Fluent, State, Words, World};
@@ -35,18 +36,19 @@ pub fn write(world: &World, state: &State) -> Environment {
                 continue;
             };
             renumber(world, state, Some(subject), words.as_mut_slice());
-            let new = news.shift_remove(&subject).unwrap_or_default();
+            let new = news.get_mut(&subject).map(std::mem::take).unwrap_or_default();
             revise(world, state, subject, words, new);
         }
         states.retain(|_, words| !matches!(words, Words::Many(many) if many.is_empty()));
     }
-    for (subject, mut new) in news {
+    let assets: FxHashSet<&String> = world.environment().assets.iter().collect();
+    for (subject, mut new) in news.into_iter().filter(|(_, new)| !new.is_empty()) {
         let identifier = world.entity(subject).identifier.clone();
         let words = match (as_list, new.len()) {
             (false, 1) => Words::One(new.remove(0)),
             _ => Words::Many(new),
         };
-        let states = if environment.assets.contains(&identifier) {
+        let states = if assets.contains(&identifier) {
             &mut environment.asset_states
         } else {
             &mut environment.object_states

@@ -1,7 +1,10 @@
 //! The purpose of a plan that is carried out.
 
-use crate::goal::{self, GoalError};
-use crate::model::{Atom, Condition, Domain, Ending, Fact, State, Term, Wanted, World, state_word};
+use crate::goal::{self, Goal, GoalError};
+use crate::model::{
+    Application, Arithmetic, Atom, Comparison, Condition, Domain, Ending, Fact, Fluent, Number, NumberTest,
+    PredicateId, Prohibition, State, Term, Wanted, World, state_word,
+};
 use crate::verify::{Purpose, VerifiedPlan, Waiver, broken_at_end};
 
 /// Maximum number of facts in the purpose of a plan without a goal.
@@ -24,25 +27,34 @@ impl From<Option<String>> for Aim {
 }
 
 impl Aim {
-    /// Returns the purpose of a plan. Prohibitions of the plan's world stay in force besides it.
+    /// Returns the goal in a world that has its values; none for a plan without one.
+    pub(super) fn goal(&self, world: &World) -> Option<Goal> {
+        match self {
+            Self::Goal(text) => goal::parse(world, text).ok(),
+            Self::Endings => None,
+        }
+    }
+
+    /// Returns the purpose of a plan, and the plan's world with the prohibitions of the purpose in force besides its own.
     ///
     /// # Errors
     ///
     /// The error in the goal.
-    pub fn purpose(&self, plan: &VerifiedPlan) -> Result<Purpose, GoalError> {
-        match self {
-            Self::Goal(text) => {
-                let mut world = plan.world().clone();
-                world.add_values(text);
-                Ok(goal::parse(&world, text)?.purpose(&world))
-            }
-            Self::Endings => Ok(of_endings(plan)),
-        }
+    pub fn purpose(&self, plan: &VerifiedPlan) -> Result<(World, Purpose), GoalError> {
+        let mut world = plan.world().clone();
+        let Self::Goal(text) = self else {
+            return Ok((world, of_endings(plan)));
+        };
+        world.add_values(text);
+        let mut purpose = goal::parse(&world, text)?.purpose(&world);
+        let known = |own: &Prohibition| world.prohibitions().iter().any(|known| known.written == own.written);
+        let new: Vec<Prohibition> = purpose.prohibitions.drain(..).filter(|own| !known(own)).collect();
+        Ok((world.with_prohibitions(new), purpose))
     }
 }
 
-/// Returns the purpose that a run ends in one of the endings of a plan: the facts that the plan changes, as far as an
-/// environment can state them, and its events.
+/// Returns the purpose that a run ends in one of the endings of a plan: the facts and numbers that the plan changes, as far
+/// as an environment can state them, and its events.
 fn of_endings(plan: &VerifiedPlan) -> Purpose {
     let world = plan.world();
     let mut sides: Vec<Vec<Condition>> = plan.endings().iter().map(|ending| changes(world, ending)).collect();
@@ -73,8 +85,7 @@ fn changes(world: &World, ending: &Ending) -> Vec<Condition> {
     let domain = world.domain();
     let counts = |fact: &Fact| {
         let words = domain.words(fact.predicate());
-        words.event
-            || words.fluent && state_word(domain, fact.predicate()).is_some() && !domain.is_sensed(fact.predicate())
+        words.event || words.fluent && has_words(domain, fact.predicate()) && !domain.is_sensed(fact.predicate())
     };
     let differs = |from: &State, to: &State| -> Vec<Fact> {
         from.iter().filter(|fact| counts(fact) && !to.holds(*fact)).collect()
@@ -84,7 +95,29 @@ fn changes(world: &World, ending: &Ending) -> Vec<Condition> {
     let ended = differs(&world.state, &ending.after);
     let made = made.into_iter().map(|fact| literal(domain, fact, true));
     let ended = ended.into_iter().map(|fact| literal(domain, fact, false));
-    known.chain(made).chain(ended).take(FACTS).collect()
+    let facts: Vec<Condition> = known.chain(made).chain(ended).take(FACTS).collect();
+    let numbers = ending.after.numbers().iter();
+    let numbers = numbers.filter(|(fluent, number)| world.state.number(*fluent) != Some(*number));
+    let numbers = numbers.map(|(fluent, number)| is_number(domain, *fluent, *number));
+    facts.into_iter().chain(numbers.take(FACTS)).collect()
+}
+
+/// Returns true if an environment can state the facts of a predicate: those without arguments are statements by themselves.
+fn has_words(domain: &Domain, predicate: PredicateId) -> bool {
+    state_word(domain, predicate).is_some() || domain.predicate(predicate).parameters.is_empty()
+}
+
+fn is_number(domain: &Domain, fluent: Fluent, number: Number) -> Condition {
+    let application = Application {
+        function: fluent.function(),
+        terms: domain.arguments_of(fluent).map(Term::Constant).collect(),
+        initially: false,
+    };
+    Condition::Number(NumberTest::Compare(
+        Arithmetic::Value(application),
+        Comparison::Equal,
+        Arithmetic::Constant(number),
+    ))
 }
 
 fn literal(domain: &Domain, fact: Fact, holds: bool) -> Condition {

@@ -90,7 +90,10 @@ impl Execution {
         match subject {
             Subject::Plan => {}
             Subject::Step(order) => self.approved = Some(order),
-            Subject::Change(change) => self.install(&change.plan, None),
+            Subject::Change(change) => {
+                self.unapproved = false;
+                self.install(&change.plan, None);
+            }
         }
         Ok(())
     }
@@ -109,13 +112,16 @@ impl Execution {
         Ok(())
     }
 
-    /// Withdraws a change or a step that waits for a decision, because the world is not as it was. A plan stays: it is
+    /// Withdraws a change, a step or a question about a fact that waits for a decision, and the approval of a step, because the world is not as it was. A plan stays: it is
     /// to be approved before its first step in any world.
     pub(super) fn withdraw(&mut self) {
-        if let Phase::Approving(proposal) = &self.phase
-            && !matches!(proposal.subject, Subject::Plan)
-        {
+        let is_out_of_date = match &self.phase {
+            Phase::Approving(proposal) => !matches!(proposal.subject, Subject::Plan),
+            phase => matches!(phase, Phase::Confirming(..)),
+        };
+        if is_out_of_date {
             self.phase = Phase::Active;
         }
+        self.approved = None;
     }
 }

@@ -2,9 +2,9 @@
 
 use super::need::{Effect, Stop};
 use super::order::taught_step;
-use super::{Event, Execution, ground};
+use super::{Event, Execution, Trust, ground};
 use crate::cursor::Rest;
-use crate::model::{Moment, Prohibition, State, StepPattern, World, apply, holds};
+use crate::model::{Moment, Prohibition, State, StateVariable, StepPattern, World, apply, fired, holds};
 use crate::plan::{Plan, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, check};
 
@@ -29,12 +29,19 @@ impl Execution {
         let fitting = self.fitting(&here, &purpose);
         if let Some(fitting) = &fitting
             && fitting.effect == Effect::Undone
-            && let Some(step) = fitting.plan.steps().first()
         {
             // A step without its effects is a failure of that step; it may be one too many.
-            let step = ground(step);
-            self.count_failure(step.clone(), "it had no effect");
-            if self.is_forbidden(&step) {
+            let repeated: Vec<_> = fitting
+                .plan
+                .steps()
+                .iter()
+                .take(fitting.steps.len())
+                .map(ground)
+                .collect();
+            for step in &repeated {
+                self.count_failure(step.clone(), "it had no effect");
+            }
+            if repeated.iter().any(|step| self.is_forbidden(step)) {
                 return self.assess();
             }
         }
@@ -132,8 +139,11 @@ impl Execution {
             let Some(candidate) = rest.without_first(needless) else {
                 continue;
             };
+            let skipped = rest.plan.steps().len() - candidate.plan.steps().len();
+            if self.rests_on_promise(here, &rest.plan.steps()[..skipped]) {
+                continue;
+            }
             if let Some(plan) = valid(here, candidate, purpose, &mut left) {
-                let skipped = rest.plan.steps().len() - plan.steps().len();
                 return Some(Fitting {
                     steps: calls(here, &rest.plan, 0..skipped),
                     effect: match needless {
@@ -162,6 +172,22 @@ impl Execution {
         })
     }
 
+    /// Returns true if only a promise says that an effect of these steps is there already.
+    fn rests_on_promise(&self, here: &World, steps: &[Step]) -> bool {
+        let mut state = here.state.clone();
+        let mut facts = Vec::new();
+        self.settings.trust == Trust::Observed
+            && steps.iter().any(|step| {
+                let action = here.domain().action(step.action);
+                fired(here, &state, action, &mut step.arguments.clone(), &mut facts);
+                let promised = facts.iter().any(|(fact, holds)| {
+                    here.state.holds(*fact) == *holds && self.is_unproven(StateVariable::Fact(*fact))
+                });
+                apply(here, &mut state, action, &step.arguments);
+                promised
+            })
+    }
+
     /// Returns the rest of the plan as the draft of a change: with the last steps if their effects are missing.
     pub(super) fn draft(&self) -> Plan {
         let (now, before) = (self.cursor.rest(), self.checkpoint.rest());
@@ -173,7 +199,11 @@ impl Execution {
             missing |= changes
                 .facts
                 .iter()
-                .any(|own| self.state().holds(own.fact) != own.holds);
+                .any(|own| self.state().holds(own.fact) != own.holds)
+                || changes
+                    .numbers
+                    .iter()
+                    .any(|own| self.state().number(own.fluent) != Some(own.after));
         }
         let rest = match missing {
             true => before.or(now),

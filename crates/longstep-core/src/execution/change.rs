@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::monitor::Noticed;
 use super::need::Stop;
 use super::{Approval, Event, Execution, Subject, ground};
-use crate::model::{Difference, World};
+use crate::model::World;
 use crate::plan::{DraftStep, Node, Plan, Resolved, lanes};
 use crate::repair::{Edit, RepairOutcome, repair};
 use crate::schedule::compact;
@@ -36,7 +37,7 @@ pub struct Change {
     /// The number of steps of the old rest.
     pub steps: usize,
     /// The facts that differ from those that were expected.
-    pub because: Vec<Difference>,
+    pub because: Vec<Noticed>,
 }
 
 /// The end of an attempt to change a plan.
@@ -48,7 +49,7 @@ enum Attempt {
 
 impl Execution {
     /// Changes the rest of the plan, so that it achieves the purpose from the observed world.
-    pub(super) fn change(&mut self, here: &World, purpose: &Purpose, because: Vec<Difference>) {
+    pub(super) fn change(&mut self, here: &World, purpose: &Purpose, because: Vec<Noticed>) {
         let draft = self.draft();
         let steps = draft.steps().iter().map(ground).collect();
         let situation = (here.state.clone(), steps, self.forbidden.len());
@@ -112,7 +113,7 @@ impl Execution {
         here: &World,
         purpose: &Purpose,
         (draft, tried): (&Plan, bool),
-        because: Vec<Difference>,
+        because: Vec<Noticed>,
     ) -> Attempt {
         let resolved = resolved(here, draft);
         let steps = resolved.steps.len();

@@ -12,6 +12,9 @@ pub enum BeginError {
     /// The goal cannot be read.
     #[error(transparent)]
     Goal(#[from] GoalError),
+    /// The plan does not achieve the purpose, or breaks a constraint of it: the violations as sentences.
+    #[error("the plan does not achieve its purpose: {}", .0.join("; "))]
+    Purpose(Vec<String>),
     /// Steps that a person has to teach first, in order; at least one.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Untaught(Vec<MissingSkill>),

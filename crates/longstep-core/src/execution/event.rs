@@ -4,16 +4,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::change::{Change, ChangeKind};
+use super::monitor::Noticed;
 use super::need::{Effect, Order};
 use super::written::written_outcome;
-use super::{Aim, Approval, ProposalId, Settings, Watch};
+use super::{Aim, Approval, ProposalId, Settings, Trust, Unseen, Watch};
 use crate::environment::{Environment, Statements};
-use crate::model::{Difference, Fact, World, fact_text};
+use crate::model::{Fact, World};
 use crate::plan::{Plan, Written, write_tree};
 use crate::verify::VerifiedPlan;
 
 /// The version of the log.
-pub(super) const FORMAT: u32 = 2;
+pub(super) const FORMAT: u32 = 3;
 
 /// A plan in a log: its tree with all arguments, as in `task_tree` of a plan file.
 pub type PlanText = Value;
@@ -42,6 +43,8 @@ pub enum Event {
         constraints: Vec<(String, bool)>,
         /// When a person is asked.
         approval: Approval,
+        /// The evidence that progress and the end need.
+        trust: Trust,
         /// When the world is observed.
         watch: Watch,
         /// The number of changes after which the execution stops.
@@ -120,6 +123,12 @@ pub enum Event {
     Interrupted {
         /// The numbers of these orders.
         under_way: Vec<u64>,
+        /// When a person is asked from now on, if that is stricter than before.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        approval: Option<Approval>,
+        /// The evidence that is needed from now on, if that is stricter than before.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        trust: Option<Trust>,
     },
     /// An observation shows that an interrupted order was done.
     Found {
@@ -132,6 +141,18 @@ pub enum Event {
         order: u64,
         /// True if it was done.
         done: bool,
+    },
+    /// A person said whether something is so that no look has shown.
+    Confirmed {
+        /// The fact or number as a sentence.
+        what: String,
+        /// True if it is so.
+        holds: bool,
+    },
+    /// Progress through the stages of the goal rests on promises.
+    Trusted {
+        /// The promises.
+        unseen: Vec<Unseen>,
     },
     /// The execution stopped.
     Stopped {
@@ -148,6 +169,9 @@ pub enum Event {
     Done {
         /// The environment.
         environment: Environment,
+        /// The facts and numbers of the purpose that the looks of the end have not shown.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        unseen: Vec<Unseen>,
     },
 }
 
@@ -167,6 +191,7 @@ impl Event {
             },
             constraints: constraints.map(|own| (own.written.clone(), own.standing)).collect(),
             approval: settings.approval,
+            trust: settings.trust,
             watch: settings.watch,
             changes: settings.changes,
             reports: settings
@@ -195,7 +220,7 @@ impl Event {
         }
     }
 
-    pub(super) fn assessed(world: &World, effect: Effect, because: &[Difference], steps: &[String]) -> Self {
+    pub(super) fn assessed(world: &World, effect: Effect, because: &[Noticed], steps: &[String]) -> Self {
         Self::Assessed {
             effect,
             because: sentences(world, because),
@@ -220,9 +245,9 @@ impl Event {
 }
 
 /// Returns the differing facts as sentences, at most twenty.
-pub(super) fn sentences(world: &World, differences: &[Difference]) -> Vec<String> {
+pub(super) fn sentences(world: &World, differences: &[Noticed]) -> Vec<String> {
     let first = differences.iter().take(20);
-    first.map(|own| fact_text(world, own.fact, own.now_holds)).collect()
+    first.map(|own| own.sentence(world)).collect()
 }
 
 pub(super) fn plan_text(world: &World, plan: &Plan) -> PlanText {

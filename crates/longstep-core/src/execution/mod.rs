@@ -9,6 +9,8 @@
 //! - A step is ordered only if its precondition holds in the observed world and no constraint forbids it.
 //! - The plan in force was verified from the world that was observed when it came into force.
 //! - A change that a person has to approve is not performed before it is approved. An approval counts for one proposal only.
+//! - "Done" is said only of what the verifier accepts, and of facts that were observed since a step could have changed
+//!   them, unless [`Trust::Promised`] accepts promises; what no look has shown is listed.
 //! - After a stop nothing is ordered, unless the execution is resumed from its log.
 
 mod aim;
@@ -17,6 +19,10 @@ mod assess;
 mod change;
 mod error;
 mod event;
+mod evidence;
+#[cfg(test)]
+mod evidence_tests;
+mod knowledge;
 mod monitor;
 mod need;
 mod order;
@@ -33,17 +39,23 @@ pub use approval::{Proposal, ProposalId, Subject};
 pub use change::{Change, ChangeKind};
 pub use error::{BeginError, ExecutionError};
 pub use event::{Event, PlanText};
+pub use knowledge::{Basis, Unseen};
+pub use monitor::Noticed;
 pub use need::{Effect, Need, Order, Stop};
-pub use resume::ResumeError;
-pub use settings::{Approval, Settings, Watch};
+pub use resume::{ResumeError, Resumed};
+pub use settings::{Approval, Settings, Trust, Watch};
 
 use crate::cursor::Cursor;
 use crate::environment::{Environment, Observation, Statements};
-use crate::model::{Difference, State, World};
+use crate::model::{State, StateVariable, World};
 use crate::plan::{Node, StepId, tree};
 use crate::search::GroundAction;
-use crate::verify::{Progress, Purpose, VerifiedPlan};
+use crate::verify::{Progress, Purpose, Report, VerifiedPlan, check};
+use evidence::{Looks, TrustedProgress};
+use knowledge::Knowledge;
+use monitor::Completed;
 use order::ground;
+use written::messages;
 
 /// A verified plan that is carried out.
 ///
@@ -91,13 +103,29 @@ pub struct Execution {
     checkpoint: Cursor,
     /// The steps that were completed since then.
     since: Vec<GroundAction>,
+    /// The steps that were completed since the last order before which the world was observed.
+    recent: Vec<Completed>,
+    /// True if the world was observed after the last completed step.
+    seen_recent: bool,
+    knowledge: Knowledge,
+    looks: Looks,
+    /// The progress through the stages that was observed before the `recent` steps.
+    base: Progress,
+    /// The progress through the stages that was observed.
     progress: Progress,
+    /// The promises on which further progress rests.
+    unproven: Vec<StateVariable>,
+    trusted: Vec<TrustedProgress>,
+    /// True if a person has to approve the rest of the plan before the next order.
+    unapproved: bool,
     running: Vec<Order>,
     /// Orders that were under way at a crash.
     interrupted: Vec<Order>,
     orders: u64,
     /// The failures of each step since it last worked.
     failures: FxHashMap<GroundAction, u32>,
+    /// The steps that were performed since the last observation that agreed with the prediction, and did not fail since.
+    worked: Vec<GroundAction>,
     /// Steps that failed too often, with the reasons.
     forbidden: Vec<(GroundAction, String)>,
     /// The worlds from which the plan was changed, with the rest of the plan.
@@ -109,7 +137,7 @@ pub struct Execution {
     due: bool,
     /// True if the observed world differs from the prediction, or a step failed.
     suspicious: bool,
-    differences: Vec<Difference>,
+    differences: Vec<Noticed>,
     /// The step that a person approved and that is not ordered yet.
     approved: Option<Order>,
     phase: Phase,
@@ -126,6 +154,8 @@ enum Phase {
     Approving(Proposal),
     /// Waits for a person who knows about interrupted orders; with the observation after the crash.
     Judging(Observation),
+    /// Waits for a person who knows whether something is so that no look has shown.
+    Confirming(StateVariable, Unseen),
     Done,
     Stopped(Stop),
 }
@@ -135,35 +165,46 @@ impl Execution {
     ///
     /// # Errors
     ///
-    /// The error in the goal of the aim; steps that a person has to teach first.
+    /// The error in the goal of the aim; a plan that does not reach it; steps that a person has to teach first.
     pub fn new(plan: &VerifiedPlan, aim: &Aim, settings: Settings) -> Result<Self, BeginError> {
         let missing = settings.skills.missing(plan.world(), plan.plan());
         if !missing.is_empty() {
             return Err(BeginError::Untaught(missing));
         }
-        let purpose = Purpose {
-            // The plan was verified with them in force.
-            prohibitions: Vec::new(),
-            ..aim.purpose(plan)?
+        let (world, purpose) = aim.purpose(plan)?;
+        let report = check(&world, plan.plan().clone(), &purpose).into_verified();
+        let refused = |report: Box<Report>| {
+            let goal = aim.goal(&world);
+            BeginError::Purpose(messages(&world, &report.violations, report.plan.steps(), goal.as_ref()))
         };
-        let world = plan.world().clone();
+        let plan = &report.map_err(refused)?;
         let began = Event::began(plan, aim, &settings);
         let cursor = Cursor::new(plan);
         let lanes = |node: &Node| matches!(node, Node::Parallel { .. });
         let mut execution = Self {
-            progress: Progress::begun(&world, &purpose),
             has_lanes: tree::iter(plan.plan().body()).any(lanes),
-            due: settings.watch == Watch::EachStep,
+            // The world may have changed since the plan was made.
+            due: true,
             checkpoint: cursor.clone(),
             cursor,
             world,
             purpose,
             settings,
             since: Vec::new(),
+            recent: Vec::new(),
+            seen_recent: false,
+            knowledge: Knowledge::default(),
+            looks: Looks::default(),
+            base: Progress::default(),
+            progress: Progress::default(),
+            unproven: Vec::new(),
+            trusted: Vec::new(),
+            unapproved: false,
             running: Vec::new(),
             interrupted: Vec::new(),
             orders: 0,
             failures: FxHashMap::default(),
+            worked: Vec::new(),
             forbidden: Vec::new(),
             visited: Vec::new(),
             changes: 0,
@@ -238,6 +279,17 @@ impl Execution {
         self.after().environment().clone()
     }
 
+    /// Returns the environment with an observation that waits for a person's answer.
+    fn environment_seen(&self) -> Environment {
+        match &self.phase {
+            Phase::Judging(observation) => {
+                let state = observation.revised(&self.world, self.state());
+                self.world.after_state(&state).environment().clone()
+            }
+            _ => self.environment(),
+        }
+    }
+
     /// Returns what the execution needs. Steps of several lanes are ordered by several calls; [`Need::Wait`] follows
     /// them.
     pub fn next_need(&mut self) -> Need {
@@ -249,6 +301,7 @@ impl Execution {
                     Some(order) => return Need::Judge(order.clone()),
                     None => self.phase = Phase::Active,
                 },
+                Phase::Confirming(_, unseen) => return Need::Confirm(unseen.clone()),
                 Phase::Done => return Need::Done,
                 Phase::Stopped(stop) => return Need::Stopped(stop.clone()),
             }
@@ -262,15 +315,18 @@ impl Execution {
                 self.assess();
                 continue;
             }
+            if !self.unproven.is_empty() {
+                match self.prove_stages() {
+                    Some(need) => return need,
+                    None => continue,
+                }
+            }
             if self.cursor.is_finished() {
-                if self.checkpoint.is_finished() && self.since.is_empty() {
-                    self.events.push(Event::Done {
-                        environment: self.environment(),
-                    });
-                    self.phase = Phase::Done;
-                } else {
-                    // The end is never claimed without an observation.
+                // The end is never claimed without an observation.
+                if !(self.checkpoint.is_finished() && self.since.is_empty()) {
                     self.due = true;
+                } else if let Some(need) = self.conclude() {
+                    return need;
                 }
                 continue;
             }
@@ -287,12 +343,6 @@ impl Execution {
     /// Returns true if nothing is needed any more.
     pub fn is_ended(&self) -> bool {
         matches!(self.phase, Phase::Done | Phase::Stopped(_))
-    }
-
-    /// Asks for an observation before the next step, whatever [`Settings::watch`] says: the world may have changed since
-    /// the plan was made.
-    pub fn observe_first(&mut self) {
-        self.due = true;
     }
 
     /// Stops at a request. Nothing is ordered afterwards; stop the robot first.
@@ -319,7 +369,7 @@ impl Execution {
             why: stop.sentence(&self.world),
             proven: stop.is_proven(),
             under_way: self.unknown(),
-            environment: self.environment(),
+            environment: self.environment_seen(),
         });
         let is_resumable = stop.is_resumable();
         let before = std::mem::replace(&mut self.phase, Phase::Stopped(stop));

@@ -4,7 +4,65 @@ use rustc_hash::FxHashSet;
 
 use super::{Event, Execution, ExecutionError, Phase, Stop};
 use crate::environment::{Observation, Statements};
-use crate::model::{Changes, State, StepPattern, apply, broken_bindings, changed_facts, fired};
+use crate::model::{
+    Changes, Difference, Fact, Fluent, State, StateVariable, StepPattern, Voice, World, apply, assigned,
+    broken_bindings, changed_facts, fact_text, fired,
+};
+use crate::search::GroundAction;
+
+/// A difference between the expected and the observed world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Noticed {
+    /// A fact holds in exactly one of them.
+    Fact(Difference),
+    /// A number differs; with the state that has the observed number.
+    Number(Fluent, crate::model::Number),
+}
+
+impl Noticed {
+    /// Writes the observed side as a sentence for a person.
+    pub fn sentence(self, world: &World) -> String {
+        match self {
+            Self::Fact(own) => fact_text(world, own.fact, own.now_holds),
+            Self::Number(fluent, number) => {
+                let voice = Voice::Person;
+                let name = voice.fluent(world, fluent);
+                format!("{name} is {}", voice.number(world, fluent, number))
+            }
+        }
+    }
+
+    /// Returns the differences between two states: facts first.
+    pub(super) fn between(expected: &State, seen: &State) -> Vec<Self> {
+        let facts = changed_facts(expected, seen).into_iter().map(Self::Fact);
+        let numbers = seen.numbers().iter();
+        let numbers = numbers.filter(|(fluent, number)| expected.number(*fluent) != Some(*number));
+        let numbers = numbers.map(|(fluent, number)| Self::Number(*fluent, *number));
+        facts.chain(numbers).collect()
+    }
+}
+
+/// A step that a robot says that it performed.
+#[derive(Debug, Clone)]
+pub(super) struct Completed {
+    pub(super) action: GroundAction,
+    /// The believed state before it.
+    pub(super) before: State,
+    /// The changes that it promised.
+    pub(super) changes: Changes,
+    /// True if an observation shows that one of them did not come about.
+    pub(super) refuted: bool,
+}
+
+impl Completed {
+    /// Returns true if it promised a new value for a variable.
+    fn changes(&self, variable: StateVariable) -> bool {
+        match variable {
+            StateVariable::Fact(fact) => self.changes.facts.iter().any(|own| own.fact == fact),
+            StateVariable::Number(fluent) => self.changes.numbers.iter().any(|own| own.fluent == fluent),
+        }
+    }
+}
 
 impl Execution {
     /// Takes an observation, which may be partial.
@@ -31,23 +89,17 @@ impl Execution {
 
     /// Compares the prediction with an observation.
     fn compare(&mut self, observation: &Observation) {
-        let mut masked = FxHashSet::default();
-        for order in &self.running {
-            let action = self.world.domain().action(order.action);
-            let mut facts = Vec::new();
-            fired(
-                &self.world,
-                self.state(),
-                action,
-                &mut order.arguments.clone(),
-                &mut facts,
-            );
-            masked.extend(facts.into_iter().map(|(fact, _)| fact));
+        self.knowledge
+            .observed(observation, self.orders, &self.world, &self.running);
+        self.looks.add(observation);
+        let masked = self.under_change();
+        let mut seen = observation.revised_but(&self.world, self.state(), &masked);
+        for event in self.refuted_events(observation, &masked) {
+            seen.set(event, false);
         }
-        let seen = observation.revised_but(&self.world, self.state(), &masked);
         if seen != *self.state() {
             self.withdraw();
-            self.differences = changed_facts(self.state(), &seen);
+            self.differences = Noticed::between(self.state(), &seen);
             let broken = self.newly_broken(&seen);
             self.cursor.correct(seen);
             self.suspicious = true;
@@ -56,9 +108,10 @@ impl Execution {
                 self.end(Stop::Broken { constraint, because });
                 return;
             }
-            let state = self.cursor.state().clone();
-            self.progress.advance(&self.world, &self.purpose, &state);
         }
+        self.take_back(observation);
+        self.seen_recent = true;
+        self.confirm_progress();
         if !self.suspicious && self.running.is_empty() {
             self.confirm();
         }
@@ -67,9 +120,57 @@ impl Execution {
         }
     }
 
+    /// Returns the facts and numbers that the orders under way may be changing at this moment.
+    fn under_change(&self) -> FxHashSet<StateVariable> {
+        let mut all = FxHashSet::default();
+        for order in &self.running {
+            let action = self.world.domain().action(order.action);
+            let mut bindings = order.arguments.clone();
+            let mut facts = Vec::new();
+            fired(&self.world, self.state(), action, &mut bindings, &mut facts);
+            all.extend(facts.into_iter().map(|(fact, _)| StateVariable::Fact(fact)));
+            let numbers = assigned(&self.world, self.state(), &action.numeric, &mut bindings);
+            all.extend(numbers.into_iter().map(|(fluent, _)| StateVariable::Number(fluent)));
+        }
+        all
+    }
+
+    /// Marks the steps of which an observation shows that an effect did not come about; returns the events of these steps.
+    fn refuted_events(&mut self, observation: &Observation, masked: &FxHashSet<StateVariable>) -> Vec<Fact> {
+        let (world, mut events) = (&self.world, Vec::new());
+        for index in 0..self.recent.len() {
+            let (own, later) = (&self.recent[index], &self.recent[index + 1..]);
+            let is_last = |variable: StateVariable| {
+                !masked.contains(&variable) && !later.iter().any(|step| step.changes(variable))
+            };
+            let facts = own.changes.facts.iter().filter_map(|change| {
+                let shown = observation.decides(world, change.fact) && is_last(StateVariable::Fact(change.fact));
+                shown.then(|| observation.states(change.fact) == change.holds)
+            });
+            let numbers = own.changes.numbers.iter().filter_map(|change| {
+                let shown = observation.number(change.fluent)?;
+                is_last(StateVariable::Number(change.fluent)).then_some(shown == change.after)
+            });
+            let shown: Vec<bool> = facts.chain(numbers).collect();
+            if shown.is_empty() {
+                continue;
+            }
+            let refuted = shown.contains(&false);
+            if refuted {
+                let is_event =
+                    |fact: &Fact| world.domain().words(fact.predicate()).event && !observation.decides(world, *fact);
+                let new = own.changes.facts.iter().filter(|change| change.holds);
+                events.extend(new.map(|change| change.fact).filter(is_event));
+            }
+            self.recent[index].refuted = refuted;
+        }
+        events
+    }
+
     /// Records that the observed world is as predicted, or as good.
     pub(super) fn confirm(&mut self) {
-        for step in self.since.drain(..) {
+        self.since.clear();
+        for step in self.worked.drain(..) {
             self.failures.remove(&step);
         }
         self.checkpoint = self.cursor.clone();
@@ -134,16 +235,22 @@ impl Execution {
                 continue;
             }
             let action = self.world.domain().action(order.action);
-            let Changes { facts, .. } = apply(&self.world, &mut self.state().clone(), action, &order.arguments);
-            let mut visible = facts
+            let Changes { facts, numbers } = apply(&self.world, &mut self.state().clone(), action, &order.arguments);
+            let can_show = |own: StateVariable| Observation::can_show(&self.world, &self.settings.reports, own);
+            let facts = facts.iter().filter(|own| can_show(StateVariable::Fact(own.fact)));
+            let facts = facts.map(|own| {
+                let shown = observation.decides(&self.world, own.fact);
+                shown.then(|| seen.holds(own.fact) == own.holds)
+            });
+            let numbers = numbers
                 .iter()
-                .filter(|own| observation.decides(&self.world, own.fact))
-                .peekable();
-            let is_visible = visible.peek().is_some();
-            let came_about = visible.all(|own| seen.holds(own.fact) == own.holds);
-            if !is_visible {
+                .map(|own| Some(observation.number(own.fluent)? == own.after));
+            // By visible effect: true if it came about; none if the observation does not show it.
+            let visible: Vec<Option<bool>> = facts.chain(numbers).collect();
+            let is_undecided = !visible.contains(&Some(false)) && (visible.is_empty() || visible.contains(&None));
+            if is_undecided {
                 self.interrupted.push(order);
-            } else if came_about && self.complete(&order, None).is_ok() {
+            } else if !visible.contains(&Some(false)) && self.complete(&order, None).is_ok() {
                 self.events.push(Event::Found { order: order.number });
             }
         }

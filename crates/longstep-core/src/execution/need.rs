@@ -2,13 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Proposal;
-use crate::model::{ActionId, Difference, EntityId, Fact, World, fact_text};
+use super::monitor::Noticed;
+use super::{Proposal, Unseen};
+use crate::model::{ActionId, EntityId, Fact, World};
 use crate::plan::StepId;
 use crate::search::WhyNot;
 
 /// The beginning of the sentence for [`Stop::Robot`].
 pub(super) const ROBOT_FAILED: &str = "the robot failed: ";
+
+/// Maximum number of facts in the sentence of a stop.
+const LISTED: usize = 5;
 
 /// The next input that an [`Execution`](super::Execution) needs.
 #[derive(Debug, Clone)]
@@ -26,6 +30,9 @@ pub enum Need {
     /// A person who knows whether a step that was under way at a crash was done; then
     /// [`judged`](super::Execution::judged).
     Judge(Order),
+    /// A person who knows whether something is so that no look has shown; then
+    /// [`confirmed`](super::Execution::confirmed).
+    Confirm(Unseen),
     /// Nothing: the steps that are under way have to end first.
     Wait,
     /// Nothing: the purpose is achieved in the observed world.
@@ -93,7 +100,14 @@ pub enum Stop {
         /// The constraint as a sentence, or the name of the rule.
         constraint: String,
         /// The facts that differ from those that were expected.
-        because: Vec<Difference>,
+        because: Vec<Noticed>,
+    },
+    /// The purpose may be achieved, or a stage of it, but that rests on facts that were not observed.
+    Unseen {
+        /// These facts; at least one.
+        unseen: Vec<Unseen>,
+        /// True if a person said that it is not so.
+        denied: bool,
     },
     /// The robot failed, not one of its steps.
     Robot(String),
@@ -105,10 +119,10 @@ impl Stop {
         matches!(self, Self::NoPlan { .. } | Self::Broken { .. })
     }
 
-    /// Returns true if the execution can be resumed from its log: a stop at a request, or a failure of the robot, says
-    /// nothing about the plan.
+    /// Returns true if the execution can be resumed from its log: a stop at a request, a failure of the robot, or a fact that
+    /// nobody has seen says nothing about the plan.
     pub fn is_resumable(&self) -> bool {
-        matches!(self, Self::Requested(_) | Self::Robot(_))
+        matches!(self, Self::Requested(_) | Self::Robot(_) | Self::Unseen { .. })
     }
 
     /// The reason as a sentence.
@@ -140,11 +154,21 @@ impl Stop {
             Self::TooManyChanges(changes) => format!("the plan was changed {changes} times already"),
             Self::Repeated => "the same world came about again with the same rest of the plan".to_owned(),
             Self::Broken { constraint, because } => {
-                let because: Vec<String> = because
-                    .iter()
-                    .map(|own| fact_text(world, own.fact, own.now_holds))
-                    .collect();
+                let because: Vec<String> = because.iter().map(|own| own.sentence(world)).collect();
                 format!("a constraint no longer holds ({constraint}): {}", because.join(", "))
+            }
+            Self::Unseen { unseen, denied } => {
+                let facts: Vec<String> = unseen.iter().take(LISTED).map(Unseen::sentence).collect();
+                let more = match unseen.len().saturating_sub(LISTED) {
+                    0 => String::new(),
+                    more => format!("; and {more} more"),
+                };
+                let said = if *denied {
+                    "a person says that it is not so"
+                } else {
+                    "not observed"
+                };
+                format!("{said}: {}{more}", facts.join("; "))
             }
             Self::Robot(why) => format!("{ROBOT_FAILED}{why}"),
         }

@@ -1,8 +1,10 @@
 //! Orders: steps that a robot performs, and how they end.
 
+use super::evidence::Looks;
+use super::monitor::Completed;
 use super::{Approval, Event, Execution, ExecutionError, Need, Order, Subject, Watch};
 use crate::cursor::CursorError;
-use crate::model::{Fact, Moment, holds};
+use crate::model::{Fact, Moment, StateVariable, apply, holds};
 use crate::plan::{Step, StepId};
 use crate::search::GroundAction;
 
@@ -22,6 +24,10 @@ impl Execution {
         if !is_possible {
             // The prediction was wrong where nothing was observed.
             self.suspicious = true;
+            return None;
+        }
+        if std::mem::take(&mut self.unapproved) {
+            self.propose(Subject::Plan);
             return None;
         }
         let order = Order {
@@ -47,6 +53,7 @@ impl Execution {
         self.orders += 1;
         self.events.push(Event::ordered(&self.world, &order));
         self.running.push(order.clone());
+        self.knowledge.touch(&self.world, &order);
         Some(match order.outcomes.is_empty() {
             true => Need::Perform(order),
             false => Need::Sense(order),
@@ -80,7 +87,7 @@ impl Execution {
             return Err(error.into());
         }
         self.events.push(Event::performed(&self.world, number, outcome));
-        self.due = self.settings.watch == Watch::EachStep || self.suspicious;
+        self.due |= self.settings.watch == Watch::EachStep || self.suspicious || self.promises_progress();
         Ok(())
     }
 
@@ -98,16 +105,37 @@ impl Execution {
         let before = cursor.state().clone();
         cursor.complete(order.step, outcome)?;
         self.suspicious |= contradicts.is_some();
+        if std::mem::take(&mut self.seen_recent) {
+            self.recent.clear();
+            self.base = self.progress.clone();
+        }
         let action = self.world.domain().action(order.action);
-        let states = (&before, cursor.state());
-        self.progress
-            .step(&self.world, &self.purpose, states, action, &order.arguments);
-        self.cursor = cursor;
-        self.since.push(GroundAction {
+        let mut changed = before.clone();
+        let ground = GroundAction {
             action: order.action,
             arguments: order.arguments.clone(),
+        };
+        self.recent.push(Completed {
+            action: ground.clone(),
+            changes: apply(&self.world, &mut changed, action, &order.arguments),
+            before,
+            refuted: false,
         });
+        self.cursor = cursor;
+        self.since.push(ground.clone());
+        self.worked.push(ground);
+        self.ended(order);
+        if outcome.is_some() {
+            let outcomes = order.outcomes.iter().copied();
+            self.knowledge.learned(outcomes.map(StateVariable::Fact), self.orders);
+        }
         Ok(())
+    }
+
+    /// Notes that an order has ended: what it could have changed is not known until it is seen.
+    fn ended(&mut self, order: &Order) {
+        self.knowledge.ended(&self.world, order);
+        self.looks = Looks::default();
     }
 
     /// Records that the robot could not do a step. The world is observed then.
@@ -117,6 +145,7 @@ impl Execution {
     /// An order that is not under way.
     pub fn failed(&mut self, number: u64, why: &str) -> Result<(), ExecutionError> {
         let order = self.take_running(number)?;
+        self.ended(&order);
         let why: String = why.chars().take(500).collect();
         self.events.push(Event::Failed {
             order: number,
@@ -134,6 +163,7 @@ impl Execution {
 
     /// Counts a failure of a step, which is forbidden when it has failed too often.
     pub(super) fn count_failure(&mut self, step: GroundAction, why: &str) {
+        self.worked.retain(|own| *own != step);
         let failures = self.failures.entry(step.clone()).or_default();
         *failures += 1;
         if *failures > self.world.domain().action(step.action).retries && !self.is_forbidden(&step) {

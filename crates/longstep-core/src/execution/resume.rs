@@ -1,14 +1,15 @@
 //! An execution that is taken up again from its log.
 
 use super::event::FORMAT;
-use super::written::written_outcome;
-use super::{Aim, BeginError, Event, Execution, ExecutionError, Settings};
+use super::evidence::Looks;
+use super::written::{messages, written_outcome};
+use super::{Aim, Approval, BeginError, Event, Execution, ExecutionError, Phase, Settings, Trust};
 use crate::diagnostic::Diagnostics;
 use crate::environment;
-use crate::goal::{self, GoalError};
+use crate::goal::{self, Goal, GoalError};
 use crate::json::Path;
 use crate::model::{Domain, PredicateId, Prohibition, World};
-use crate::plan::{PlanFile, TaskCohesion, TreeError, read_tree, resolve};
+use crate::plan::{PlanFile, Step, TaskCohesion, TreeError, Violation, read_tree, resolve};
 use crate::skill::Skills;
 use crate::verify::{Purpose, VerifiedPlan, bind_tree, check};
 
@@ -51,6 +52,15 @@ pub enum ResumeError {
     Ended,
 }
 
+/// Settings with which an execution is resumed: they count where they are stricter than those of its log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Resumed {
+    /// When a person is asked; none for the setting of the log.
+    pub approval: Option<Approval>,
+    /// The evidence that progress and the end need; none for the setting of the log.
+    pub trust: Option<Trust>,
+}
+
 impl Execution {
     /// Takes up an execution again from its log, after a crash, a stop at a request or a failure of the robot.
     ///
@@ -61,14 +71,24 @@ impl Execution {
     /// # Errors
     ///
     /// A log that cannot be read, or whose execution has ended otherwise.
-    pub fn resume(domain: &Domain, log: &[Event]) -> Result<Self, ResumeError> {
+    pub fn resume(domain: &Domain, log: &[Event], resumed: Resumed) -> Result<Self, ResumeError> {
         let mut execution = Self::replay(domain, log)?;
         if execution.is_ended() && execution.suspended.is_none() {
-            return Err(ResumeError::Ended);
+            // The log may lack the end that follows from its last event.
+            return match execution.events.is_empty() {
+                true => Err(ResumeError::Ended),
+                false => Ok(execution),
+            };
         }
         let under_way = execution.unknown();
-        execution.interrupt();
-        execution.events.push(Event::Interrupted { under_way });
+        let approval = resumed.approval.filter(|own| *own > execution.settings.approval);
+        let trust = resumed.trust.filter(|own| *own > execution.settings.trust);
+        execution.interrupt(Resumed { approval, trust });
+        execution.events.push(Event::Interrupted {
+            under_way,
+            approval,
+            trust,
+        });
         Ok(execution)
     }
 
@@ -122,16 +142,23 @@ impl Execution {
             }
             Event::Failed { order, why } => self.failed(*order, why).map_err(wrong)?,
             Event::Observed { statements } => {
-                if !self.due && self.running.is_empty() && self.cursor.is_finished() {
+                let looks_again = self.cursor.is_finished() || !self.unproven.is_empty();
+                if !self.due && self.running.is_empty() && looks_again {
                     self.next_need();
                 }
                 self.observed(statements).map_err(wrong)?;
             }
             Event::Judged { order, done } => self.judged(*order, *done).map_err(wrong)?,
-            Event::Interrupted { under_way } => {
-                self.interrupt();
-                let under_way = under_way.clone();
-                self.events.push(Event::Interrupted { under_way });
+            Event::Confirmed { holds, .. } => {
+                self.next_need();
+                self.confirmed(*holds).map_err(wrong)?;
+            }
+            Event::Interrupted { approval, trust, .. } => {
+                self.interrupt(Resumed {
+                    approval: *approval,
+                    trust: *trust,
+                });
+                self.events.push(event.clone());
             }
             Event::Stopped { why, .. } => match why.strip_prefix(super::need::ROBOT_FAILED) {
                 Some(why) => self.robot_failed(why),
@@ -145,18 +172,28 @@ impl Execution {
         Ok(())
     }
 
-    /// Marks the orders under way as unknown, and has the world observed. A stop because of the robot is over then.
-    fn interrupt(&mut self) {
+    /// Marks the orders under way as unknown, and has the world observed. A stop because of the robot is over then. These
+    /// settings are in force from now on.
+    fn interrupt(&mut self, resumed: Resumed) {
         if let Some(phase) = self.suspended.take() {
             self.phase = *phase;
         }
         if self.is_ended() {
             return;
         }
-        self.interrupted.append(&mut self.running);
-        if let super::Phase::Judging(_) = self.phase {
-            self.phase = super::Phase::Active;
+        // Nobody has approved the plan of a run that nobody was asked about.
+        self.unapproved |= self.settings.approval == Approval::Never && resumed.approval.is_some();
+        self.settings.approval = resumed.approval.unwrap_or(self.settings.approval);
+        self.settings.trust = resumed.trust.unwrap_or(self.settings.trust);
+        for order in std::mem::take(&mut self.running) {
+            self.knowledge.ended(&self.world, &order);
+            self.interrupted.push(order);
         }
+        if let Phase::Judging(_) | Phase::Confirming(..) = self.phase {
+            self.phase = Phase::Active;
+        }
+        self.looks = Looks::default();
+        self.approved = None;
         self.due = true;
     }
 }
@@ -171,6 +208,7 @@ fn begun(domain: &Domain, event: Option<&Event>) -> Result<Execution, ResumeErro
         goal,
         constraints,
         approval,
+        trust,
         watch,
         changes,
         reports,
@@ -201,10 +239,11 @@ fn begun(domain: &Domain, event: Option<&Event>) -> Result<Execution, ResumeErro
         world.add_values(goal);
     }
     let world = constrained(&world, constraints)?;
-    let plan = verified(&world, &file.task_cohesion)?;
     let aim = Aim::from(goal.clone());
+    let plan = verified(&world, &file.task_cohesion, aim.goal(&world).as_ref())?;
     let settings = Settings {
         approval: *approval,
+        trust: *trust,
         watch: *watch,
         changes: *changes,
         reports,
@@ -225,13 +264,19 @@ fn constrained(world: &World, constraints: &[(String, bool)]) -> Result<World, R
     Ok(world.with_prohibitions(all))
 }
 
-fn verified(world: &World, cohesion: &TaskCohesion) -> Result<VerifiedPlan, ResumeError> {
+fn verified(world: &World, cohesion: &TaskCohesion, goal: Option<&Goal>) -> Result<VerifiedPlan, ResumeError> {
     let bound = bind_tree(world, &resolve(world, cohesion), None);
-    let invalid = |violations: &[crate::plan::Violation]| {
-        let messages: Vec<String> = violations.iter().map(|own| own.message(world, &[], None)).collect();
-        ResumeError::Invalid(messages.join("; "))
+    let invalid = |violations: &[Violation], steps: &[Step]| {
+        ResumeError::Invalid(messages(world, violations, steps, None).join("; "))
     };
-    let (plan, _) = bound.map_err(|violations| invalid(&violations))?;
-    let report = check(world, plan, &Purpose::default());
-    report.into_verified().map_err(|report| invalid(&report.violations))
+    let (plan, _) = bound.map_err(|violations| invalid(&violations, &[]))?;
+    // The rules that the goal waives do not bind the plan.
+    let purpose = Purpose {
+        prohibitions: Vec::new(),
+        ..goal.map_or_else(Purpose::default, |goal| goal.purpose(world))
+    };
+    let report = check(world, plan, &purpose);
+    report
+        .into_verified()
+        .map_err(|report| invalid(&report.violations, report.plan.steps()))
 }

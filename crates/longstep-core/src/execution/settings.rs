@@ -6,7 +6,9 @@ use crate::model::PredicateId;
 use crate::skill::Skills;
 
 /// When a person is asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+///
+/// A later value is stricter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Approval {
     /// Never.
@@ -18,11 +20,23 @@ pub enum Approval {
     EachStep,
 }
 
-/// When the world is observed. In either case it is observed before the end.
+/// The evidence that progress and the end need. A later value is stricter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trust {
+    /// The promise of a step that was performed.
+    Promised,
+    /// An observation since the last step that could have changed the fact.
+    #[default]
+    Observed,
+}
+
+/// When the world is observed. In either case it is observed before the first step, where a stage of the goal would be
+/// achieved, and before the end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Watch {
-    /// Before the first step and after every step.
+    /// After every step.
     #[default]
     EachStep,
     /// After a failed step.
@@ -34,6 +48,8 @@ pub enum Watch {
 pub struct Settings {
     /// When a person is asked.
     pub approval: Approval,
+    /// The evidence that progress and the end need.
+    pub trust: Trust,
     /// When the world is observed.
     pub watch: Watch,
     /// The number of changes of the plan after which the execution stops.
@@ -48,6 +64,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             approval: Approval::default(),
+            trust: Trust::default(),
             watch: Watch::default(),
             changes: 8,
             reports: Vec::new(),

@@ -11,15 +11,15 @@ const KITCHEN: &str = r#"{"assets": ["<table>", "<shelf>", "<fridge>", "<bin>"],
     "object_states": {"<cup>": "on_something(<table>)", "<pen>": "on_something(<table>)",
         "<milk>": "inside_something(<fridge>)", "<fridge_handle>": "closed()"}}"#;
 
-fn household() -> Domain {
+pub(super) fn household() -> Domain {
     domain::shipped("household").unwrap().unwrap()
 }
 
-fn kitchen() -> World {
+pub(super) fn kitchen() -> World {
     environment::parse(&household(), "env.json", KITCHEN).unwrap()
 }
 
-fn plan(world: &World, text: &str) -> VerifiedPlan {
+pub(super) fn plan(world: &World, text: &str) -> VerifiedPlan {
     let goal = goal::parse(world, text).unwrap();
     let outcome = solve(world, &goal.purpose(world), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
@@ -28,7 +28,7 @@ fn plan(world: &World, text: &str) -> VerifiedPlan {
     check(world, plan, &goal.purpose(world)).into_verified().unwrap()
 }
 
-fn fact(world: &World, text: &str) -> Fact {
+pub(super) fn fact(world: &World, text: &str) -> Fact {
     if let Some(item) = text.strip_prefix("lifted ") {
         let predicates = &world.domain().predicates;
         let lifted = predicates.iter().position(|own| own.name == "lifted").unwrap();
@@ -139,7 +139,7 @@ impl Real<'_> {
     }
 }
 
-fn reports(world: &World) -> Vec<PredicateId> {
+pub(super) fn reports(world: &World) -> Vec<PredicateId> {
     let predicates = world.domain().predicates.iter().enumerate();
     let hidden = predicates.filter(|(_, own)| ["hand-at", "lifted"].contains(&own.name.as_str()));
     hidden.map(|(index, _)| PredicateId::new(index)).collect()
@@ -419,7 +419,7 @@ fn after_a_crash_an_unknown_step_is_observed_or_asked_about() {
             if let (true, [order]) = (was_done, before.running()) {
                 apply(&world, &mut state, household.action(order.action), &order.arguments);
             }
-            let mut again = Execution::resume(&household, &log[..length]).unwrap();
+            let mut again = Execution::resume(&household, &log[..length], Resumed::default()).unwrap();
             assert!(matches!(again.next_need(), Need::Observe), "{length}");
             let mut real = Real::of(&again, &[]);
             real.state = state;
@@ -432,11 +432,14 @@ fn after_a_crash_an_unknown_step_is_observed_or_asked_about() {
             assert!(real.state.holds(fact(&world, "<cup> on_something(<shelf>)")));
         }
     }
-    assert_eq!(Execution::resume(&household, &log).err(), Some(ResumeError::Ended));
+    assert_eq!(
+        Execution::resume(&household, &log, Resumed::default()).err(),
+        Some(ResumeError::Ended)
+    );
     let mut damaged = log.clone();
     damaged.remove(3);
     assert!(matches!(
-        Execution::resume(&household, &damaged),
+        Execution::resume(&household, &damaged, Resumed::default()),
         Err(ResumeError::Event(_))
     ));
 }
@@ -461,13 +464,13 @@ fn after_a_robot_failed_an_unknown_step_is_observed_or_asked_about() {
             assert!(matches!(failed.next_need(), Need::Stopped(Stop::Robot(_))), "{length}");
             log.extend(failed.take_events());
             assert!(matches!(log.last(), Some(Event::Stopped { under_way: own, .. }) if *own == under_way));
-            let mut again = Execution::resume(&household, &log).unwrap();
+            let mut again = Execution::resume(&household, &log, Resumed::default()).unwrap();
             log.extend(again.take_events());
             assert!(matches!(again.next_need(), Need::Observe), "{length}");
             // A second failure before anything was observed changes nothing.
             again.robot_failed("the bridge is gone again");
             log.extend(again.take_events());
-            let mut again = Execution::resume(&household, &log).unwrap();
+            let mut again = Execution::resume(&household, &log, Resumed::default()).unwrap();
             let mut robot = Real::of(&again, &[]);
             robot.state = state;
             assert!(matches!(robot.run(&mut again), Need::Done), "{length} {was_done}");
@@ -484,7 +487,7 @@ fn a_failure_of_the_robot_approves_nothing() {
     let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, Settings::default()).unwrap();
     own.robot_failed("the bridge is gone");
     let log = own.take_events();
-    let mut again = Execution::resume(&household(), &log).unwrap();
+    let mut again = Execution::resume(&household(), &log, Resumed::default()).unwrap();
     assert!(matches!(
         again.next_need(),
         Need::Approve(Proposal {
@@ -492,10 +495,13 @@ fn a_failure_of_the_robot_approves_nothing() {
             ..
         })
     ));
-    let mut refused = Execution::resume(&household(), &log).unwrap();
+    let mut refused = Execution::resume(&household(), &log, Resumed::default()).unwrap();
     refused.refuse().unwrap();
     let log: Vec<Event> = log.into_iter().chain(refused.take_events()).collect();
-    assert_eq!(Execution::resume(&household(), &log).err(), Some(ResumeError::Ended));
+    assert_eq!(
+        Execution::resume(&household(), &log, Resumed::default()).err(),
+        Some(ResumeError::Ended)
+    );
 }
 
 #[test]
@@ -530,14 +536,16 @@ fn a_step_that_no_observation_shows_is_asked_about() {
     ];
     for (log, done) in ends {
         let next = if done { "grasp(<cup>)" } else { "move-hand(<cup>)" };
-        let mut again = Execution::resume(&household(), log).unwrap();
+        let mut again = Execution::resume(&household(), log, Resumed::default()).unwrap();
         // The same again: what was resumed and then stopped can be resumed.
         again.robot_failed("it is gone again");
         let log = [&log[..], &again.take_events()[..]].concat();
-        let mut again = Execution::resume(&household(), &log).unwrap();
+        let mut again = Execution::resume(&household(), &log, Resumed::default()).unwrap();
         assert_eq!(
             again.take_events(),
             [Event::Interrupted {
+                approval: None,
+                trust: None,
                 under_way: vec![order.number]
             }]
         );

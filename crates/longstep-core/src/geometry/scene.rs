@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::environment::Words;
-use crate::json::{self, Path};
+use crate::json::{Locator, Path};
 
 /// A point or direction in metres, with z upwards.
 pub(super) type Vector = [f64; 3];
@@ -168,7 +168,7 @@ impl Scene {
         })?;
         let mut check = Check {
             file,
-            text,
+            locator: Locator::new(text),
             findings: Vec::new(),
         };
         check.scene(&scene);
@@ -194,7 +194,7 @@ fn length(parts: &[f64]) -> f64 {
 
 struct Check<'a> {
     file: &'a str,
-    text: &'a str,
+    locator: Locator<'a>,
     findings: Vec<Diagnostic>,
 }
 
@@ -202,10 +202,8 @@ impl Check<'_> {
     fn report(&mut self, path: &Path, message: impl std::fmt::Display) {
         if self.findings.len() < FINDINGS {
             self.findings.push(Diagnostic {
-                file: self.file.to_owned(),
-                position: json::locate(self.text, path),
-                message: format!("{path}: {message}"),
-                hint: None,
+                position: self.locator.locate(path),
+                ..Diagnostic::whole(self.file, format!("{path}: {message}"))
             });
         }
     }

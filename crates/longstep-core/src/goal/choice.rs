@@ -159,9 +159,10 @@ impl Choice {
             Quantifier::All => Condition::And(parts),
             Quantifier::Any => Condition::Or(parts),
             Quantifier::AtLeast(number) => at_least(number, &parts),
-            Quantifier::Exactly(number) => {
-                Condition::And(vec![at_least(number, &parts), at_least(number + 1, &parts).negated()])
-            }
+            Quantifier::Exactly(number) => Condition::And(vec![
+                at_least(number, &parts),
+                at_least(number + 1, &parts).complement(),
+            ]),
         });
         let shift = bindings.len();
         Wanted {

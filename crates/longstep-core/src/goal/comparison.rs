@@ -116,6 +116,7 @@ impl NumberGoal {
             Arithmetic::Value(Application {
                 function: fluent.function(),
                 terms: slots.by_ref().take(arity).collect(),
+                initially: false,
             })
         };
         let left = application(self.fluent);
@@ -124,10 +125,7 @@ impl NumberGoal {
             Operand::Fluent(other) => application(other),
         };
         Wanted {
-            condition: Condition::Number {
-                test: NumberTest::Compare(left, self.comparison, right),
-                initially: false,
-            },
+            condition: Condition::Number(NumberTest::Compare(left, self.comparison, right)),
             bindings,
         }
     }

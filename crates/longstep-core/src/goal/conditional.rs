@@ -197,7 +197,7 @@ impl Conditional {
 }
 
 /// Returns the binary predicates of state words that actions can achieve: the places of objects.
-pub(super) fn places(domain: &Domain) -> Vec<PredicateId> {
+fn places(domain: &Domain) -> Vec<PredicateId> {
     let effects = || domain.actions.iter().flat_map(|action| &action.effects);
     let brought_about =
         |predicate: PredicateId| effects().any(|effect| effect.adds && effect.atom.predicate == predicate);
@@ -266,7 +266,7 @@ impl<'a> Joined<'a> {
     /// Returns the condition that the goal does not hold, or held initially.
     fn not_brought_about(&self, fact: &GoalFact) -> Condition {
         let part = self.part(fact);
-        Condition::Or(vec![part.clone().negated(), part.initially()])
+        Condition::Or(vec![part.clone().complement(), part.initially()])
     }
 
     /// Returns the condition that the outcome is known to hold, or to have held until an action changed it.

@@ -1,11 +1,10 @@
 //! Constraints in a goal: what must never happen, or always hold, while the plan runs.
 
-use super::conditional::places;
 use super::{GoalError, GoalFact, fact, names};
 use crate::call::Call;
 use crate::model::{
-    Action, ActionId, Atom, Condition, Domain, EntityId, Moment, PredicateId, Prohibition, StepPattern, Term, TypeId,
-    Voice, Wanted, World,
+    Action, ActionId, Application, Arithmetic, Atom, Comparison, Condition, Domain, EntityId, FunctionId, Moment,
+    NumberTest, PredicateId, Prohibition, Slot, StepPattern, Term, TypeId, Voice, Wanted, World,
 };
 use crate::verify::{can_be_brought_about, possibly};
 
@@ -26,7 +25,7 @@ pub enum Constraint {
         /// By explicit parameter of the call: the argument; none for any.
         arguments: Vec<Option<EntityId>>,
     },
-    /// No step may have the entity as an argument, nor change its place or its state.
+    /// No step may have the entity as an argument, nor change its states or its numbers.
     Untouched(EntityId),
 }
 
@@ -201,7 +200,7 @@ impl Constraint {
             Self::State { fact, holds } => {
                 let Wanted { condition, bindings } = fact.wanted(domain, &[]);
                 let condition = condition.bound(&bindings);
-                let condition = if *holds { condition } else { condition.negated() };
+                let condition = if *holds { condition } else { condition.complement() };
                 Prohibition::new(written, says, Some(condition), Vec::new())
             }
             Self::Step { action, arguments } => {
@@ -223,7 +222,7 @@ impl Constraint {
                     arguments: Vec::new(),
                     anywhere: Some(*entity),
                 };
-                Prohibition::new(written, says, Some(unchanged(domain, *entity)), vec![pattern])
+                Prohibition::new(written, says, Some(unchanged(world, *entity)), vec![pattern])
             }
         }
     }
@@ -233,27 +232,61 @@ fn is_called(action: &Action, call: &Call) -> bool {
     (action.call == call.name || action.name == call.name) && call.arguments.len() <= action.explicit.len()
 }
 
-/// Returns the condition that an entity has the places and the states that it had initially.
-fn unchanged(domain: &Domain, entity: EntityId) -> Condition {
-    let entity = Term::Constant(entity);
-    let places = places(domain).into_iter();
-    let place = |predicate: PredicateId| {
-        let kind = domain.predicate(predicate).parameters[1].kind;
-        Condition::Forall(0, kind, Box::new(as_before(predicate, vec![entity, Term::Variable(0)])))
-    };
-    let words = domain.states.iter().map(|word| word.atom.predicate);
-    let mut states: Vec<PredicateId> = words
-        .filter(|predicate| domain.predicate(*predicate).parameters.len() == 1 && domain.words(*predicate).fluent)
-        .filter(|predicate| !domain.is_sensed(*predicate))
-        .collect();
-    states.sort_unstable();
-    states.dedup();
-    let states = states.into_iter().map(|predicate| as_before(predicate, vec![entity]));
-    Condition::And(places.map(place).chain(states).collect())
+/// Returns the condition that an entity is as it was initially: in the facts that the environment states among its states,
+/// and in the numbers whose first argument it is. What sensing reveals is no change.
+fn unchanged(world: &World, entity: EntityId) -> Condition {
+    let domain = world.domain();
+    let mut atoms: Vec<&Atom> = Vec::new();
+    for word in &domain.states {
+        let changes = domain.words(word.atom.predicate).fluent && !domain.is_sensed(word.atom.predicate);
+        if changes && !atoms.contains(&&word.atom) {
+            atoms.push(&word.atom);
+        }
+    }
+    let facts = atoms.into_iter().map(|atom| {
+        let parameters = &domain.predicate(atom.predicate).parameters;
+        let kind = |slot: Slot| {
+            let place = atom.terms.iter().position(|term| *term == Term::Variable(slot));
+            place.map_or(TypeId::OBJECT, |place| parameters[place].kind)
+        };
+        let slots = atom.terms.iter().map(|term| match *term {
+            Term::Variable(slot) => slot,
+            Term::Constant(_) => 0,
+        });
+        let others: Vec<TypeId> = (1..=slots.max().unwrap_or(0)).map(kind).collect();
+        let terms = atom.terms.iter().map(|term| of_entity(*term, entity)).collect();
+        everywhere(&others, fact_as_before(atom.predicate, terms))
+    });
+    let functions = domain.functions.iter().enumerate();
+    let numbers = functions.filter_map(|(index, function)| {
+        let (first, others) = function.parameters.split_first()?;
+        let others: Vec<TypeId> = others.iter().map(|parameter| parameter.kind).collect();
+        let terms = (0..=others.len()).map(|slot| of_entity(Term::Variable(slot), entity));
+        let is_own = function.changes && world.is_of_kind(entity, first.kind);
+        is_own.then(|| everywhere(&others, number_as_before(FunctionId::new(index), terms.collect())))
+    });
+    Condition::And(facts.chain(numbers).collect())
+}
+
+/// Returns a term with the entity in place of the first slot; later slots move down.
+fn of_entity(term: Term, entity: EntityId) -> Term {
+    match term {
+        Term::Variable(0) => Term::Constant(entity),
+        Term::Variable(slot) => Term::Variable(slot - 1),
+        constant @ Term::Constant(_) => constant,
+    }
+}
+
+/// Returns the condition for all entities of these types in its slots.
+fn everywhere(kinds: &[TypeId], condition: Condition) -> Condition {
+    let slots = kinds.iter().enumerate().rev();
+    slots.fold(condition, |inner, (slot, kind)| {
+        Condition::Forall(slot, *kind, Box::new(inner))
+    })
 }
 
 /// Returns the condition that an atom has its initial value.
-fn as_before(predicate: PredicateId, terms: Vec<Term>) -> Condition {
+fn fact_as_before(predicate: PredicateId, terms: Vec<Term>) -> Condition {
     let atom = |holds: bool, initially: bool| Condition::Atom {
         atom: Atom {
             predicate,
@@ -265,5 +298,22 @@ fn as_before(predicate: PredicateId, terms: Vec<Term>) -> Condition {
     Condition::And(vec![
         Condition::Or(vec![atom(false, false), atom(true, true)]),
         Condition::Or(vec![atom(true, false), atom(false, true)]),
+    ])
+}
+
+/// Returns the condition that a number is the initial one, or unknown as it was.
+fn number_as_before(function: FunctionId, terms: Vec<Term>) -> Condition {
+    let number = |initially: bool| {
+        Arithmetic::Value(Application {
+            function,
+            terms: terms.clone(),
+            initially,
+        })
+    };
+    let is = Condition::Number;
+    let unknown = [false, true].map(|initially| is(NumberTest::Known(number(initially), false)));
+    Condition::Or(vec![
+        is(NumberTest::Compare(number(false), Comparison::Equal, number(true))),
+        Condition::And(unknown.to_vec()),
     ])
 }

@@ -123,6 +123,7 @@ impl Group {
                 near: None,
             });
         };
+        let rest = without_parentheses(rest);
         let (rest, exceptions) = match rest.split_once(EXCEPT) {
             Some((rest, exceptions)) => (rest, Some(exceptions)),
             None => (rest, None),
@@ -131,6 +132,7 @@ impl Group {
             Some((kind, conditions)) => (kind.trim(), Some(conditions)),
             None => (rest.trim(), None),
         };
+        let kind = without_parentheses(kind);
         let of_kind = of_kind(world, kind);
         if of_kind.is_empty() {
             let names = world.entities().flat_map(|(_, entity)| entity.names.iter());
@@ -273,10 +275,38 @@ impl Group {
     }
 }
 
-/// Returns the type that a kind names.
+/// Returns a text without the parentheses around all of it.
+fn without_parentheses(text: &str) -> &str {
+    let Some(inner) = text.strip_prefix('(').and_then(|text| text.strip_suffix(')')) else {
+        return text;
+    };
+    let mut depth = 0_i32;
+    let closes_early = inner.chars().any(|letter| {
+        depth += i32::from(letter == '(') - i32::from(letter == ')');
+        depth < 0
+    });
+    if closes_early {
+        text
+    } else {
+        without_parentheses(inner.trim())
+    }
+}
+
+/// Returns the words of a name in the singular.
+fn singular_words(name: &str) -> Vec<String> {
+    plain_words(name).iter().map(|word| singular(word)).collect()
+}
+
+/// Returns the type that a kind names, in the singular or the plural. A type comes before an entity with its name.
 fn type_of(domain: &Domain, kind: &str) -> Option<TypeId> {
-    let anything = ANYTHING.contains(&kind).then_some(TypeId::OBJECT);
-    domain.types.find(kind).or(anything)
+    if let Some(kind) = domain.types.find(kind) {
+        return Some(kind);
+    }
+    let words = singular_words(kind);
+    let mut types = domain.types.names();
+    let named = types.find(|name| !words.is_empty() && singular_words(name) == words);
+    let anything = || ANYTHING.iter().any(|noun| words == [*noun]).then_some(TypeId::OBJECT);
+    named.and_then(|name| domain.types.find(name)).or_else(anything)
 }
 
 /// Returns the entities of a kind: those of a type, or those with this name. A name of several words belongs to the kind
@@ -288,10 +318,9 @@ fn of_kind(world: &World, kind: &str) -> Vec<EntityId> {
         Some(kind) => return world.of_kind(kind).to_vec(),
         None => {}
     }
-    let words = |name: &str| -> Vec<String> { plain_words(name).iter().map(|word| singular(word)).collect() };
-    let wanted = words(kind);
+    let wanted = singular_words(kind);
     let is_named = |name: &String| {
-        let own = words(name);
+        let own = singular_words(name);
         let number = own.iter().rev().take_while(|word| is_number(word)).count();
         own == wanted || own[..own.len() - number].ends_with(&wanted)
     };
@@ -311,6 +340,10 @@ fn excepted(world: &World, group: &str, names: &str) -> Result<Vec<EntityId>, Go
     let inner = names.strip_prefix('(').and_then(|names| names.strip_suffix(')'));
     let mut excepted = Vec::new();
     for name in inner.unwrap_or(names).split(',').map(str::trim) {
+        if type_of(world.domain(), name).is_some() {
+            excepted.extend(of_kind(world, name));
+            continue;
+        }
         match names::entities(world, group, &[name], &[TypeId::OBJECT]) {
             Ok(found) => excepted.extend(found),
             Err(error) => match of_kind(world, name) {

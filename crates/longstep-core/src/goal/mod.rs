@@ -3,6 +3,7 @@
 //! A [`Goal`] is written `put(cup, shelf) & closed(door)`. [`parse`] reads one, search achieves it, and verification
 //! checks a plan against [`Goal::purpose`].
 
+mod bounds;
 mod choice;
 mod comparison;
 #[cfg(test)]
@@ -10,11 +11,15 @@ mod comparison_tests;
 mod conditional;
 mod constraint;
 mod error;
+mod exclusion;
+#[cfg(test)]
+mod exclusion_tests;
 mod expansion;
 mod fact;
 mod group;
 #[cfg(test)]
 mod group_tests;
+mod invariant;
 mod language;
 mod names;
 mod partial_answer;

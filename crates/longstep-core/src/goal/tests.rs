@@ -428,3 +428,28 @@ mod enumerated {
         }
     }
 }
+
+#[test]
+fn every_word_of_the_language_is_a_keyword() {
+    let words = [
+        super::constraint::NEVER,
+        super::constraint::ALWAYS,
+        super::conditional::IF,
+        super::conditional::NOT,
+        super::conditional::THEN,
+        super::conditional::AND,
+        super::conditional::ELSE,
+        super::language::STAGE,
+        "untouched",
+        "where",
+        "except",
+        "all",
+        "each",
+        "any",
+        "exactly",
+        "of",
+    ];
+    for word in words {
+        assert!(crate::call::is_goal_keyword(word.trim()), "{word}");
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{EntityId, Moment, Number, Slot, State, Term, World, grounded_term, id};
+use super::{EntityId, Moment, Number, Slot, Term, World, grounded_term, id};
 
 id!(
     /// A numeric function of a domain.
@@ -42,6 +42,8 @@ pub struct Application {
     pub function: FunctionId,
     /// The arguments.
     pub terms: Vec<Term>,
+    /// True if it is evaluated in the state in which the instruction was given, false for the current state.
+    pub initially: bool,
 }
 
 impl Application {
@@ -49,6 +51,19 @@ impl Application {
     pub(crate) fn ground(&self, bindings: &[EntityId]) -> Fluent {
         let arguments = self.terms.iter().map(|term| grounded_term(*term, bindings));
         Fluent::new(self.function, arguments)
+    }
+
+    /// Returns the number at a moment; none if it has none.
+    fn number(&self, moment: Moment<'_>, bindings: &[EntityId]) -> Option<Number> {
+        moment.state_of(self.initially).number(self.ground(bindings))
+    }
+
+    /// Returns the application with other terms.
+    pub(crate) fn with_terms(&self, term: &impl Fn(Term) -> Term) -> Self {
+        Self {
+            terms: self.terms.iter().map(|own| term(*own)).collect(),
+            ..*self
+        }
     }
 }
 
@@ -178,12 +193,7 @@ impl<V> Arithmetic<V> {
 impl NumericExpression {
     /// Replaces every term.
     pub(crate) fn with_terms(&self, term: &impl Fn(Term) -> Term) -> Self {
-        self.map(&mut |own: &Application| {
-            Arithmetic::Value(Application {
-                function: own.function,
-                terms: own.terms.iter().map(|own| term(*own)).collect(),
-            })
-        })
+        self.map(&mut |own: &Application| Arithmetic::Value(own.with_terms(term)))
     }
 
     /// Returns the largest slot, if the expression has variables.
@@ -206,17 +216,22 @@ impl NumericExpression {
         functions
     }
 
-    /// Evaluates the expression in a state.
-    pub(crate) fn value(&self, state: &State, bindings: &[EntityId]) -> Option<Number> {
-        self.evaluate(&|own| state.number(own.ground(bindings)))
+    /// Evaluates the expression at a moment.
+    pub(crate) fn value(&self, moment: Moment<'_>, bindings: &[EntityId]) -> Option<Number> {
+        self.evaluate(&|own| own.number(moment, bindings))
     }
 
-    /// Grounds the expression; fluents that never change are replaced by their values, undefined ones stay.
+    /// Grounds the expression; initial numbers and fluents that never change are replaced by their values, undefined ones
+    /// stay.
     pub(crate) fn ground(&self, world: &World, bindings: &[EntityId]) -> GroundExpression {
+        let moment = Moment {
+            world,
+            state: &world.state,
+        };
         self.map(&mut |own| {
             let fluent = own.ground(bindings);
-            let fixed = !world.domain().function(own.function).changes;
-            match world.state.number(fluent).filter(|_| fixed) {
+            let fixed = own.initially || !world.domain().function(own.function).changes;
+            match own.number(moment, bindings).filter(|_| fixed) {
                 Some(number) => Arithmetic::Constant(number),
                 None => Arithmetic::Value(fluent),
             }
@@ -383,14 +398,32 @@ impl NumberTest<Application> {
         self.expressions().flat_map(Arithmetic::functions).collect()
     }
 
-    /// Evaluates the requirement in a state.
-    pub(crate) fn holds_in(&self, state: &State, bindings: &[EntityId]) -> bool {
-        self.holds(&|own| state.number(own.ground(bindings)))
+    /// Evaluates the requirement at a moment.
+    pub(crate) fn holds_at(&self, moment: Moment<'_>, bindings: &[EntityId]) -> bool {
+        self.holds(&|own| own.number(moment, bindings))
+    }
+
+    /// Returns the requirement, evaluated in the initial state.
+    #[must_use]
+    pub(crate) fn initially(self) -> Self {
+        self.map(&mut |own: &Application| {
+            Arithmetic::Value(Application {
+                initially: true,
+                ..own.clone()
+            })
+        })
     }
 
     /// Grounds the requirement.
     pub(crate) fn ground(&self, world: &World, bindings: &[EntityId]) -> GroundTest {
+        let mut is_unknown = false;
+        self.for_each(&mut |own| {
+            is_unknown |= own.initially && world.initially().number(own.ground(bindings)).is_none();
+        });
         match self {
+            // Nothing gives a number to what had none initially.
+            Self::Compare(..) if is_unknown => GroundTest::Known(Arithmetic::Constant(Number::ZERO), false),
+            Self::Known(_, known) if is_unknown => GroundTest::Known(Arithmetic::Constant(Number::ZERO), !known),
             Self::Compare(left, comparison, right) => {
                 GroundTest::Compare(left.ground(world, bindings), *comparison, right.ground(world, bindings))
             }
@@ -398,10 +431,11 @@ impl NumberTest<Application> {
         }
     }
 
-    /// Returns the value of a requirement on fluents that never change; none if some fluent may change.
+    /// Returns the value of a requirement on initial numbers and on fluents that never change; none if some may change.
     pub(crate) fn fixed(&self, moment: Moment<'_>, bindings: &[EntityId]) -> Option<bool> {
         let domain = moment.world.domain();
-        let changes = self.functions().into_iter().any(|own| domain.function(own).changes);
-        (!changes).then(|| self.holds_in(moment.state, bindings))
+        let mut changes = false;
+        self.for_each(&mut |own| changes |= !own.initially && domain.function(own.function).changes);
+        (!changes).then(|| self.holds_at(moment, bindings))
     }
 }

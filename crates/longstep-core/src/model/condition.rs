@@ -56,12 +56,7 @@ pub enum Condition {
         holds: bool,
     },
     /// A requirement on numbers.
-    Number {
-        /// The requirement.
-        test: NumberTest<Application>,
-        /// True if it is evaluated in the state in which the instruction was given, false for the current state.
-        initially: bool,
-    },
+    Number(NumberTest<Application>),
 }
 
 impl Condition {
@@ -87,10 +82,7 @@ impl Condition {
                 right,
                 holds: !holds,
             },
-            Self::Number { test, initially } => Self::Number {
-                test: test.negated(),
-                initially,
-            },
+            Self::Number(test) => Self::Number(test.negated()),
         }
     }
 
@@ -99,16 +91,10 @@ impl Condition {
     #[must_use]
     pub(crate) fn complement(self) -> Self {
         self.negated().map(&|slot| slot, &|literal| match literal {
-            Self::Number {
-                test: NumberTest::Compare(left, comparison, right),
-                initially,
-            } => {
-                let unknown = [left.clone(), right.clone()].map(|side| Self::Number {
-                    test: NumberTest::Known(side, false),
-                    initially,
-                });
-                let test = NumberTest::Compare(left, comparison, right);
-                Self::Or([Self::Number { test, initially }].into_iter().chain(unknown).collect())
+            Self::Number(NumberTest::Compare(left, comparison, right)) => {
+                let unknown = [left.clone(), right.clone()].map(|side| NumberTest::Known(side, false));
+                let compare = NumberTest::Compare(left, comparison, right);
+                Self::Or([compare].into_iter().chain(unknown).map(Self::Number).collect())
             }
             other => other,
         })
@@ -140,10 +126,7 @@ impl Condition {
                 right: term(right),
                 holds,
             },
-            Self::Number { test, initially } => Self::Number {
-                test: test.with_terms(term),
-                initially,
-            },
+            Self::Number(test) => Self::Number(test.with_terms(term)),
             other => other,
         })
     }
@@ -171,7 +154,7 @@ impl Condition {
                 holds,
                 initially: true,
             },
-            Self::Number { test, .. } => Self::Number { test, initially: true },
+            Self::Number(test) => Self::Number(test.initially()),
             other => other,
         })
     }
@@ -193,7 +176,7 @@ impl Condition {
         match self {
             Self::And(parts) | Self::Or(parts) => parts,
             Self::Forall(_, _, inner) | Self::Exists(_, _, inner) => std::slice::from_ref(inner),
-            Self::Atom { .. } | Self::Equal { .. } | Self::Number { .. } => &[],
+            Self::Atom { .. } | Self::Equal { .. } | Self::Number(_) => &[],
         }
     }
 
@@ -218,7 +201,7 @@ impl Condition {
     /// Returns every requirement on numbers.
     pub fn numbers(&self) -> impl Iterator<Item = &NumberTest<Application>> {
         self.iter().filter_map(|part| match part {
-            Self::Number { test, .. } => Some(test),
+            Self::Number(test) => Some(test),
             _ => None,
         })
     }

@@ -32,9 +32,7 @@ pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings)
         Condition::Equal { left, right, holds } => {
             (grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds
         }
-        Condition::Number { test, initially } => {
-            effort::spend(1) && test.holds_in(moment.state_of(*initially), bindings)
-        }
+        Condition::Number(test) => effort::spend(1) && test.holds_at(moment, bindings),
     }
 }
 
@@ -146,7 +144,7 @@ fn guarded(condition: &Condition, value: bool, slot: Slot, reliable: Reliable<'_
             *holds == value && atom.terms.contains(&Term::Variable(slot)) && reliable(atom, *initially)
         }
         Condition::Equal { left, right, holds } => *holds == value && other_side(*left, *right, slot).is_some(),
-        Condition::Number { .. } => false,
+        Condition::Number(_) => false,
     }
 }
 
@@ -197,7 +195,7 @@ fn for_guards(
             for_matching(moment.state_of(*initially), atom, slot, bindings, visit)
         }
         // Never a guard.
-        Condition::Number { .. } => ControlFlow::Continue(()),
+        Condition::Number(_) => ControlFlow::Continue(()),
     }
 }
 
@@ -238,7 +236,7 @@ pub(crate) fn for_matching(
 }
 
 impl<'a> Moment<'a> {
-    fn state_of(self, initially: bool) -> &'a State {
+    pub(super) fn state_of(self, initially: bool) -> &'a State {
         if initially { self.world.initially() } else { self.state }
     }
 }
@@ -255,8 +253,7 @@ pub(crate) fn static_value(world: &World, condition: &Condition, bindings: &[Ent
         Condition::Equal { left, right, holds } => {
             Some((grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds)
         }
-        Condition::Number { test, initially: true } => Some(test.holds_in(world.initially(), bindings)),
-        Condition::Number { test, .. } => test.fixed(
+        Condition::Number(test) => test.fixed(
             Moment {
                 world,
                 state: &world.state,

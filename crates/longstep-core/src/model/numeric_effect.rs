@@ -79,10 +79,7 @@ impl NumericEffect {
         Self {
             forall: self.forall.iter().map(|(own, kind)| (slot(*own), *kind)).collect(),
             condition: self.condition.clone().with_slots(&slot),
-            fluent: Application {
-                function: self.fluent.function,
-                terms: self.fluent.terms.iter().map(|own| term(*own)).collect(),
-            },
+            fluent: self.fluent.with_terms(&term),
             kind: self.kind,
             value: self.value.with_terms(&term),
         }
@@ -124,10 +121,7 @@ fn computable(effect: &NumericEffect) -> Option<Condition> {
     if matches!(result, Arithmetic::Constant(_)) {
         return None;
     }
-    let known = Condition::Number {
-        test: NumberTest::Known(result, true),
-        initially: false,
-    };
+    let known = Condition::Number(NumberTest::Known(result, true));
     let guarded = match &effect.condition {
         Condition::And(parts) if parts.is_empty() => known,
         condition => Condition::Or(vec![condition.clone().complement(), known]),
@@ -156,10 +150,7 @@ fn agreement(first: &NumericEffect, second: &NumericEffect, parameters: usize) -
     }
     if first.kind == NumberChangeKind::Assign && second.kind == NumberChangeKind::Assign {
         let (left, right) = (first.value.clone(), second.value.clone());
-        alternatives.push(Condition::Number {
-            test: NumberTest::Compare(left, Comparison::Equal, right),
-            initially: false,
-        });
+        alternatives.push(Condition::Number(NumberTest::Compare(left, Comparison::Equal, right)));
     }
     let forall: Vec<_> = first.forall.iter().chain(&second.forall).copied().collect();
     Some(everywhere(Condition::Or(alternatives), &forall))
@@ -214,7 +205,7 @@ fn fire(
     let Some(variable) = effect.forall.get(depth).copied() else {
         if holds(moment, &effect.condition, bindings) {
             effort::spend(effort::KEPT);
-            let value = effect.value.value(moment.state, bindings);
+            let value = effect.value.value(moment, bindings);
             fired.push((effect.fluent.ground(bindings), effect.kind, value));
         }
         return;

@@ -1,5 +1,9 @@
 //! Prohibitions: what no state and no step of a plan may be, as a person has stated it.
 
+use indexmap::IndexMap;
+use indexmap::map::Entry;
+use rustc_hash::{FxBuildHasher, FxHashMap};
+
 use super::{ActionId, Condition, EntityId, Rule, RuleTime, Template, World};
 
 /// A constraint on every state and step of a plan, stated with one instruction or for a whole session.
@@ -42,6 +46,76 @@ impl StepPattern {
     }
 }
 
+/// The forbidden steps of all prohibitions in force, filed so that a step is looked up and not compared with each of them.
+#[derive(Debug, Default)]
+pub(super) struct ForbiddenSteps {
+    /// By action: its patterns, by the parameters that they fix.
+    calls: FxHashMap<ActionId, Vec<FixedArguments>>,
+    /// By entity: the first prohibition of every step with it.
+    anywhere: FxHashMap<EntityId, usize>,
+    /// All other patterns, with their prohibitions.
+    others: Vec<(StepPattern, usize)>,
+}
+
+/// The patterns of an action that fix the same parameters.
+#[derive(Debug)]
+struct FixedArguments {
+    parameters: Vec<usize>,
+    /// By the fixed arguments: the first prohibition.
+    first: FxHashMap<Vec<EntityId>, usize>,
+}
+
+impl ForbiddenSteps {
+    pub(super) fn of(prohibitions: &[Prohibition]) -> Self {
+        let mut forbidden = Self::default();
+        for (number, own) in prohibitions.iter().enumerate() {
+            own.steps.iter().for_each(|pattern| forbidden.add(pattern, number));
+        }
+        forbidden
+    }
+
+    fn add(&mut self, pattern: &StepPattern, number: usize) {
+        let fixed = pattern.arguments.iter().enumerate();
+        let (parameters, arguments): (Vec<usize>, Vec<EntityId>) = fixed
+            .filter_map(|(parameter, argument)| Some((parameter, (*argument)?)))
+            .unzip();
+        match (pattern.action, pattern.anywhere) {
+            (Some(action), None) => {
+                let groups = self.calls.entry(action).or_default();
+                let known = groups.iter().position(|group| group.parameters == parameters);
+                let group = known.unwrap_or_else(|| {
+                    let first = FxHashMap::default();
+                    groups.push(FixedArguments { parameters, first });
+                    groups.len() - 1
+                });
+                groups[group].first.entry(arguments).or_insert(number);
+            }
+            (None, Some(entity)) if arguments.is_empty() => {
+                self.anywhere.entry(entity).or_insert(number);
+            }
+            _ => self.others.push((pattern.clone(), number)),
+        }
+    }
+
+    /// Returns the number of the first prohibition that forbids a step.
+    fn first(&self, action: ActionId, arguments: &[EntityId]) -> Option<usize> {
+        let groups = self.calls.get(&action).into_iter().flatten();
+        let of_calls = groups.filter_map(|group| {
+            let fixed = group
+                .parameters
+                .iter()
+                .map(|parameter| arguments.get(*parameter).copied());
+            group.first.get(&fixed.collect::<Option<Vec<EntityId>>>()?).copied()
+        });
+        let anywhere = arguments.iter().filter_map(|entity| self.anywhere.get(entity).copied());
+        let others = self
+            .others
+            .iter()
+            .filter(|(pattern, _)| pattern.fits(action, arguments));
+        of_calls.chain(anywhere).chain(others.map(|(_, number)| *number)).min()
+    }
+}
+
 impl Prohibition {
     /// Creates a prohibition. `always` has no open variables: its entities are constants.
     pub(crate) fn new(written: String, says: String, always: Option<Condition>, steps: Vec<StepPattern>) -> Self {
@@ -70,11 +144,32 @@ impl Prohibition {
 }
 
 impl World {
-    /// Returns the world with further prohibitions in force.
+    /// Returns the world with further prohibitions in force. One that is stated twice is in force once.
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment, goal};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let text = r#"{"assets": ["<table>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
+    /// let world = environment::parse(&household, "env.json", text).unwrap();
+    /// let rules = goal::rules(&world, "untouched(cup) & untouched(cup)").unwrap();
+    /// let world = world.with_prohibitions(rules.clone()).with_prohibitions(rules);
+    /// assert_eq!(world.prohibitions().len(), 1);
+    /// ```
     #[must_use]
     pub fn with_prohibitions(&self, more: impl IntoIterator<Item = Prohibition>) -> Self {
+        let own = self.prohibitions().iter().cloned();
+        let mut all: IndexMap<String, Prohibition, FxBuildHasher> = IndexMap::default();
+        for prohibition in own.chain(more) {
+            match all.entry(prohibition.written.clone()) {
+                Entry::Vacant(place) => {
+                    place.insert(prohibition);
+                }
+                // It is lifted with the later of the two.
+                Entry::Occupied(mut known) => known.get_mut().standing |= prohibition.standing,
+            }
+        }
         let mut world = self.clone();
-        world.set_prohibitions(self.prohibitions().iter().cloned().chain(more));
+        world.set_prohibitions(all.into_values());
         world
     }
 
@@ -108,7 +203,48 @@ impl World {
 
     /// Returns the prohibition that forbids a step, if one does.
     pub(crate) fn forbids(&self, action: ActionId, arguments: &[EntityId]) -> Option<&Prohibition> {
-        let fits = |own: &&Prohibition| own.steps.iter().any(|pattern| pattern.fits(action, arguments));
-        self.prohibitions().iter().find(fits)
+        self.prohibitions()
+            .get(self.forbidden_steps().first(action, arguments)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks the number of the prohibition that is found against a comparison with every pattern.
+    #[test]
+    fn a_step_is_forbidden_by_the_first_pattern_that_it_fits() {
+        let entity = |id: usize| EntityId::new(id);
+        let pattern = |action: Option<usize>, arguments: &[Option<usize>], anywhere: Option<usize>| StepPattern {
+            action: action.map(ActionId::new),
+            arguments: arguments.iter().map(|argument| argument.map(entity)).collect(),
+            anywhere: anywhere.map(entity),
+        };
+        let patterns = [
+            pattern(Some(0), &[Some(1), None], None),
+            pattern(None, &[], Some(5)),
+            pattern(Some(0), &[None, Some(2)], None),
+            pattern(Some(1), &[None, None], None),
+            pattern(Some(0), &[Some(1), Some(3)], None),
+            pattern(Some(0), &[Some(4), None], Some(6)),
+            pattern(Some(0), &[Some(1), None], None),
+            pattern(None, &[None, Some(0)], None),
+        ];
+        let rule = |pattern: &StepPattern| Prohibition::new(String::new(), String::new(), None, vec![pattern.clone()]);
+        for mask in 0..1_usize << patterns.len() {
+            let own = patterns.iter().enumerate().filter(|(at, _)| mask >> at & 1 == 1);
+            let rules: Vec<Prohibition> = own.map(|(_, pattern)| rule(pattern)).collect();
+            let forbidden = ForbiddenSteps::of(&rules);
+            for (action, one, other) in (0..3).flat_map(|a| (0..49).map(move |pair| (a, pair / 7, pair % 7))) {
+                let (action, arguments) = (ActionId::new(action), [entity(one), entity(other)]);
+                let expected = rules.iter().position(|own| own.steps[0].fits(action, &arguments));
+                assert_eq!(
+                    forbidden.first(action, &arguments),
+                    expected,
+                    "{action:?} {arguments:?} {mask:b}"
+                );
+            }
+        }
     }
 }

@@ -187,9 +187,8 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
             undone_by: None,
         }],
         // No step changes the past, nor a number that no action changes.
-        Condition::Number { initially: true, .. } => Vec::new(),
-        Condition::Number { test, .. } if test.fixed(Moment { world, state }, bindings).is_some() => Vec::new(),
-        Condition::Number { test, .. } => vec![Missing {
+        Condition::Number(test) if test.fixed(Moment { world, state }, bindings).is_some() => Vec::new(),
+        Condition::Number(test) => vec![Missing {
             fact: None,
             holds: true,
             number: Some(Arc::new(Shortfall::of(test.ground(world, bindings), state))),
@@ -263,7 +262,7 @@ pub(crate) fn rests_on(
                 rested.insert(fact);
             }
         }
-        Condition::Atom { .. } | Condition::Equal { .. } | Condition::Number { .. } => {}
+        Condition::Atom { .. } | Condition::Equal { .. } | Condition::Number(_) => {}
     }
 }
 

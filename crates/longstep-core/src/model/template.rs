@@ -1,5 +1,20 @@
 //! Sentence templates with holes for entities: `put {item} on {place}`.
 
+/// Returns a sentence without its full stop, as it stands within another sentence.
+///
+/// ```
+/// use longstep_core::domain::phrase;
+/// assert_eq!(phrase("Draw water from the well. "), "Draw water from the well");
+/// assert_eq!(phrase("and so on ..."), "and so on ...");
+/// ```
+pub fn phrase(sentence: &str) -> &str {
+    let sentence = sentence.trim_end();
+    match sentence.strip_suffix('.') {
+        Some(phrase) if !phrase.ends_with('.') => phrase.trim_end(),
+        _ => sentence,
+    }
+}
+
 /// A sentence template.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Template {

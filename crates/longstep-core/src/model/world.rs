@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 
+use super::prohibition::ForbiddenSteps;
 use super::value::VALUE_LIMIT;
 use super::{Domain, EntityId, Environment, Fact, Prohibition, State, TypeId, Value};
 
@@ -57,6 +58,8 @@ pub struct World {
     pub(crate) environment: Arc<Environment>,
     /// The prohibitions in force.
     prohibitions: Arc<[Prohibition]>,
+    /// The steps that they forbid.
+    forbidden: Arc<ForbiddenSteps>,
 }
 
 impl World {
@@ -83,6 +86,7 @@ impl World {
             assumed: Arc::default(),
             environment: Arc::new(environment),
             prohibitions: Arc::default(),
+            forbidden: Arc::default(),
         }
     }
 
@@ -104,6 +108,10 @@ impl World {
     /// The prohibitions in force.
     pub fn prohibitions(&self) -> &[Prohibition] {
         &self.prohibitions
+    }
+
+    pub(super) fn forbidden_steps(&self) -> &ForbiddenSteps {
+        &self.forbidden
     }
 
     /// The state that conditions mean by `initially`: the one in which the instruction was given.
@@ -130,6 +138,7 @@ impl World {
     /// Replaces the prohibitions in force.
     pub fn set_prohibitions(&mut self, prohibitions: impl IntoIterator<Item = Prohibition>) {
         self.prohibitions = prohibitions.into_iter().collect();
+        self.forbidden = Arc::new(ForbiddenSteps::of(&self.prohibitions));
     }
 
     /// Adds the values in a text as entities, unless the world has them. The ids of other entities stay as they are.

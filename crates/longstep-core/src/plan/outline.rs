@@ -1,7 +1,7 @@
 //! Indented text lines of a plan for display.
 
 use super::{Lane, LaneItem, Node, Plan, StepId, Test};
-use crate::model::{Domain, World, written_fact};
+use crate::model::{Domain, World, phrase, written_fact};
 
 /// A line of an [`outline`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -111,7 +111,7 @@ impl Writer<'_> {
         let steps: Vec<StepId> = condition.steps().collect();
         let explanations: Vec<&str> = steps
             .iter()
-            .map(|id| self.plan.step(*id).explanation.as_str())
+            .map(|id| phrase(&self.plan.step(*id).explanation))
             .collect();
         self.lines.push(OutlineLine {
             step: steps.first().map(|id| id.index()),

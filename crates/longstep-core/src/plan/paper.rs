@@ -32,6 +32,63 @@ pub struct PlanFile {
     /// Clarification question from the planner; empty if the instruction was clear.
     #[serde(default)]
     pub question: String,
+    /// The purpose for which the plan was made; none if it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub purpose: Option<PurposeFile>,
+}
+
+/// The purpose for which a plan was made, in the goal language, with identifiers of the environment.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PurposeFile {
+    /// The goal, with its order, its constraints and its numbers: `put(<cup>, <shelf>) & never opened(<fridge>)`; none for a
+    /// plan without a goal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<String>,
+    /// The rules that were in force beside the goal: `untouched(<vase>)`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rules: Vec<String>,
+    /// The goals that left a choice, with the choice of the plan.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<ChoiceFile>,
+    /// The assumptions on which the plan rests, as sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub assumptions: Vec<String>,
+}
+
+/// A goal that left a choice, and the choice of the plan.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChoiceFile {
+    /// The goal: `put(any cup, <table>)`.
+    pub goal: String,
+    /// The goals that the plan achieves for it: `put(<cup_2>, <table>)`.
+    pub chosen: Vec<String>,
+}
+
+impl PurposeFile {
+    /// Returns the purpose of a plan for a goal, given by its parts, in a world with rules in force; none for a plan
+    /// without a goal and without rules.
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment, goal, plan::PurposeFile};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
+    /// let world = environment::parse(&household, "env.json", text).unwrap();
+    /// let goal = goal::parse(&world, "put(cup, shelf)").unwrap();
+    /// let purpose = PurposeFile::new(&world, &goal.exact(&world)).unwrap();
+    /// assert_eq!(purpose.goal.as_deref(), Some("put(<cup>, <shelf>)"));
+    /// assert_eq!(PurposeFile::new(&world, &[]), None);
+    /// ```
+    pub fn new(world: &World, goal: &[String]) -> Option<Self> {
+        let rules = world.prohibitions().iter().filter(|own| own.standing);
+        let purpose = Self {
+            goal: (!goal.is_empty()).then(|| goal.join(" & ")),
+            rules: rules.map(|own| own.written.clone()).collect(),
+            ..Self::default()
+        };
+        (purpose != Self::default()).then_some(purpose)
+    }
 }
 
 impl From<TaskCohesion> for PlanFile {
@@ -44,6 +101,7 @@ impl From<TaskCohesion> for PlanFile {
             endings: Vec::new(),
             instruction_summary: String::new(),
             question: String::new(),
+            purpose: None,
         }
     }
 }

@@ -3,9 +3,9 @@
 use serde_json::{Map, Value, json};
 
 use super::tree::{DEEPEST, Lane, fold};
-use super::written::{Written, WrittenNode, WrittenStep, is_argument, is_name, is_reserved};
+use super::written::{Written, WrittenNode, WrittenStep, is_argument, is_name};
 use super::{LaneItem, Node, StepId, Test};
-use crate::call::Call;
+use crate::call::{Call, is_script_keyword};
 use crate::json::Path;
 
 /// An error in a `task_tree`, with its path.
@@ -159,7 +159,7 @@ fn step(value: &Value, path: &Path) -> Read<WrittenStep> {
     let Ok(call) = Call::parse(&written) else {
         return wrong(&at, "should be a call such as `grasp(<cup>)`");
     };
-    if !is_name(&call.name) || is_reserved(&call.name) {
+    if !is_name(&call.name) || is_script_keyword(&call.name) {
         return wrong(&at, "has a name that no script can write");
     }
     if !call.arguments.iter().all(|argument| is_argument(argument)) {

@@ -152,19 +152,6 @@ pub(super) fn predicate_word(name: &str) -> String {
     name.replace('-', "_")
 }
 
-/// Reserved words of the script notation; no action can have such a name.
-const RESERVED: [&str; 43] = [
-    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "case", "class", "continue", "def",
-    "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "lane",
-    "match", "nonlocal", "not", "or", "parallel", "pass", "print", "raise", "range", "return", "sync", "try", "type",
-    "while", "with", "yield",
-];
-
-/// Returns true for a reserved word of the script notation.
-pub(super) fn is_reserved(word: &str) -> bool {
-    RESERVED.contains(&word)
-}
-
 /// Returns true if the name of a call or a parameter may contain this character.
 pub(super) fn in_name(character: char) -> bool {
     character.is_alphanumeric() || matches!(character, '_' | '-')

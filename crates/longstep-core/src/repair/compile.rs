@@ -122,7 +122,7 @@ pub(super) fn requirements(world: &World, draft: &Resolved, meant: &Meant) -> (R
     let domain = world.domain();
     let stages = || meant.stages.iter().flatten().map(|milestone| &milestone.wanted);
     let target = || meant.required.iter().chain(stages());
-    let mut requirements = Requirements::of(world, target());
+    let mut requirements = Requirements::of(world, &meant.required, &meant.stages);
     let mut about = draft.objects.clone();
     about.extend(target().flat_map(|wanted| &wanted.bindings));
     for fact in meant.kept.iter().chain(meant.promised()) {

@@ -67,6 +67,19 @@ impl Bits {
         )
     }
 
+    /// Iterates over the facts, of which the task has `facts`, that two states differ in.
+    pub(super) fn changed_facts(&self, other: &Bits, facts: usize) -> impl Iterator<Item = u32> {
+        let words = self.0.iter().zip(&other.0).take(facts.div_ceil(64)).enumerate();
+        words.flat_map(|(word, (one, other))| {
+            let mut bits = one ^ other;
+            std::iter::from_fn(move || {
+                let fact = (bits != 0).then(|| word as u32 * 64 + bits.trailing_zeros())?;
+                bits &= bits - 1;
+                Some(fact)
+            })
+        })
+    }
+
     /// Returns true if `self` equals `better` in all facts where it differs from `other`.
     pub(super) fn no_worse_than(&self, other: &Bits, better: &Bits) -> bool {
         let mut words = self.0.iter().zip(&other.0).zip(&better.0);

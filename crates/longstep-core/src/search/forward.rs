@@ -11,8 +11,9 @@ use super::dominance::Dominance;
 use super::greedy::{Lazy, Rank};
 use super::improve::{self, improve};
 use super::landmark_cut::LandmarkCut;
-use super::node::{SearchNode, path, start, successor};
+use super::node::{SearchNode, path, start};
 use super::relevance;
+use super::successor::Successors;
 use super::task::Task;
 use super::{GroundAction, Limits, Outcome};
 use crate::effort;
@@ -267,6 +268,7 @@ type Priority = Reverse<(u32, u32, bool, u32)>;
 
 struct Search<'a> {
     task: &'a Task,
+    successors: Successors<'a>,
     heuristic: &'a mut LandmarkCut,
     weight: u32,
     limit: usize,
@@ -291,6 +293,7 @@ impl<'a> Search<'a> {
     fn new(task: &'a Task, heuristic: &'a mut LandmarkCut, weight: u32, limit: usize) -> Self {
         Self {
             task,
+            successors: Successors::new(task),
             heuristic,
             weight,
             limit,
@@ -382,10 +385,10 @@ impl<'a> Search<'a> {
             if !operator.precondition.holds(&|literal| node.state.is(literal)) {
                 continue;
             }
-            if !effort::spend(1 + task.initial.len() / 256) {
-                return;
-            }
-            let Some(next) = successor(task, &node.state, operator) else {
+            let Some(next) = self.successors.of(&node.state, operator) else {
+                if effort::is_exhausted() {
+                    return;
+                }
                 continue;
             };
             let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));

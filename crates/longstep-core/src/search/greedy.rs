@@ -14,7 +14,8 @@ use super::Found;
 use super::additive::Additive;
 use super::applicable::Applicable;
 use super::bits::Bits;
-use super::node::{start, successor};
+use super::node::start;
+use super::successor::Successors;
 use super::task::Task;
 use crate::effort;
 
@@ -94,6 +95,7 @@ impl Types {
 /// A task with the data that all its searches share.
 pub(super) struct Lazy<'a> {
     task: &'a Task,
+    pub(super) successors: Successors<'a>,
     heuristic: Additive,
     applicable: Applicable,
 }
@@ -102,6 +104,7 @@ impl<'a> Lazy<'a> {
     pub(super) fn new(task: &'a Task) -> Self {
         Self {
             task,
+            successors: Successors::new(task),
             heuristic: Additive::new(task),
             applicable: Applicable::new(task),
         }
@@ -150,10 +153,10 @@ impl<'a> Lazy<'a> {
                 };
                 return (found, evaluated);
             };
-            if !effort::spend(1 + self.task.initial.len() / 256) {
+            if !effort::spend(1) {
                 return (Found::Limit, evaluated);
             }
-            next = run.generate(entry);
+            next = run.generate(&self.successors, entry);
         }
     }
 
@@ -229,14 +232,14 @@ impl Run<'_> {
     }
 
     /// Generates a successor; none if it is known, too expensive, or not allowed.
-    fn generate(&mut self, (parent, operator): (u32, u32)) -> Option<Generated> {
+    fn generate(&self, successors: &Successors<'_>, (parent, operator): (u32, u32)) -> Option<Generated> {
         let node = &self.nodes[parent as usize];
         let step = &self.task.operators[operator as usize];
         let depth = node.depth.saturating_add(step.cost);
         if depth >= self.below {
             return None;
         }
-        let state = successor(self.task, &node.state, step)?;
+        let state = successors.of(&node.state, step)?;
         let is_new = match self.known.get(&state) {
             None => true,
             Some(known) => self.rank != Rank::Estimate && depth < self.nodes[*known as usize].depth,

@@ -47,7 +47,7 @@ fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
     let all_needed = |part: &Condition| match part {
         Condition::Atom { atom, .. } => atom.terms.iter().map(needed).max().unwrap_or(0),
         Condition::Equal { left, right, .. } => needed(left).max(needed(right)),
-        Condition::Number { test, .. } => test.last_slot().map_or(0, |slot| slot + 1),
+        Condition::Number(test) => test.last_slot().map_or(0, |slot| slot + 1),
         _ => 0,
     };
     condition.conjuncts().map(|part| (all_needed(part), part)).collect()
@@ -346,7 +346,7 @@ impl<'a> Grounder<'a> {
                     fact: self.number(ground_atom(atom, bindings)),
                     holds: *holds,
                 }),
-                (None, Condition::Number { test, .. }) => self.test(test.ground(self.world, bindings)),
+                (None, Condition::Number(test)) => self.test(test.ground(self.world, bindings)),
                 (value, _) => constant(value == Some(true)),
             },
         }

@@ -4,7 +4,8 @@
 use super::Found;
 use super::bits::Bits;
 use super::greedy::{Lazy, Rank};
-use super::node::{start, successor};
+use super::node::start;
+use super::successor::Successors;
 use super::task::Task;
 use crate::effort;
 
@@ -20,14 +21,14 @@ pub(super) fn cost(task: &Task, path: &[u32]) -> u32 {
 /// Improves a plan of a task until no plan is cheaper or the limit is reached. Returns the plan, whether it is proven to be
 /// a cheapest one of the task, and the number of evaluated states.
 pub(super) fn improve(lazy: &mut Lazy<'_>, task: &Task, path: Vec<u32>, limit: usize) -> ((Vec<u32>, bool), usize) {
-    let mut path = without_waste(task, path);
+    let mut path = without_waste(task, &lazy.successors, path);
     let (mut evaluated, mut weights) = (0, WEIGHTS.iter().peekable());
     while let Some(weight) = weights.peek() {
         let rank = Rank::Weighted(**weight);
         let (found, more) = lazy.run(rank, Some(cost(task, &path)), limit - evaluated);
         evaluated += more;
         match found {
-            Found::Path(cheaper) => path = without_waste(task, cheaper),
+            Found::Path(cheaper) => path = without_waste(task, &lazy.successors, cheaper),
             Found::Nothing => return ((path, true), evaluated),
             Found::Limit => break,
         }
@@ -38,16 +39,16 @@ pub(super) fn improve(lazy: &mut Lazy<'_>, task: &Task, path: Vec<u32>, limit: u
 }
 
 /// Drops steps that the plan reaches its goal without, each together with the later steps that rely on it.
-fn without_waste(task: &Task, mut path: Vec<u32>) -> Vec<u32> {
+fn without_waste(task: &Task, successors: &Successors<'_>, mut path: Vec<u32>) -> Vec<u32> {
     let (mut state, mut at) = (start(task), 0);
     while at < path.len() {
-        match rest_without(task, &state, &path[at + 1..]) {
+        match rest_without(task, successors, &state, &path[at + 1..]) {
             Some(rest) => {
                 path.truncate(at);
                 path.extend(rest);
             }
             None => {
-                let Some(next) = step(task, &state, path[at]) else {
+                let Some(next) = step(task, successors, &state, path[at]) else {
                     return path;
                 };
                 state = next;
@@ -62,12 +63,12 @@ fn without_waste(task: &Task, mut path: Vec<u32>) -> Vec<u32> {
 }
 
 /// Returns those of the steps that are applicable in sequence, if they reach the goal.
-fn rest_without(task: &Task, state: &Bits, steps: &[u32]) -> Option<Vec<u32>> {
+fn rest_without(task: &Task, successors: &Successors<'_>, state: &Bits, steps: &[u32]) -> Option<Vec<u32>> {
     let mut state = state.clone();
     let mut kept = Vec::new();
-    effort::spend(1 + steps.len() * (1 + task.initial.len() / 256));
+    effort::spend(1 + steps.len());
     for operator in steps {
-        if let Some(next) = step(task, &state, *operator) {
+        if let Some(next) = step(task, successors, &state, *operator) {
             state = next;
             kept.push(*operator);
         }
@@ -76,8 +77,8 @@ fn rest_without(task: &Task, state: &Bits, steps: &[u32]) -> Option<Vec<u32>> {
 }
 
 /// Returns the state after a step; none if the step is not applicable or changes nothing.
-fn step(task: &Task, state: &Bits, operator: u32) -> Option<Bits> {
+fn step(task: &Task, successors: &Successors<'_>, state: &Bits, operator: u32) -> Option<Bits> {
     let operator = &task.operators[operator as usize];
     let applicable = operator.precondition.holds(&|literal| state.is(literal));
-    applicable.then(|| successor(task, state, operator)).flatten()
+    applicable.then(|| successors.of(state, operator)).flatten()
 }

@@ -26,8 +26,11 @@ mod operator;
 mod outcome;
 mod relaxed;
 mod relevance;
+#[cfg(test)]
+mod relevance_tests;
 mod scope;
 mod stages;
+mod successor;
 mod target;
 mod task;
 #[cfg(test)]
@@ -107,7 +110,7 @@ pub fn solve(world: &World, purpose: &Purpose, limits: &Limits) -> Outcome {
 /// record progress.
 pub(crate) fn ground_task(world: &World, purpose: &Purpose) -> (Task, Vec<Option<Fact>>) {
     let target = Target::of(world.domain(), purpose);
-    let scope = Scope::whole(world, &Requirements::of(world, target.all()));
+    let scope = Scope::whole(world, &Requirements::of(world, &target.wanted, &target.stages));
     ground::ground_with_facts(world, &scope, &target)
 }
 
@@ -124,7 +127,7 @@ fn straight(world: &World, target: &Target, limits: &Limits) -> Straight {
 }
 
 fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight {
-    let requirements = Requirements::of(world, target.all());
+    let requirements = Requirements::of(world, &target.wanted, &target.stages);
     let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
     let around = |far: &bool| whole.around(world, &requirements, &about, *far);

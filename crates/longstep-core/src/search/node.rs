@@ -107,16 +107,6 @@ fn renumber(task: &Task, state: &Bits, operator: &Operator, next: &mut Bits) {
     }
 }
 
-/// Returns the state after an operator; none if it equals `state` or breaks a rule that holds in it.
-pub(super) fn successor(task: &Task, state: &Bits, operator: &Operator) -> Option<Bits> {
-    let next = after(task, state, operator);
-    let allows = || {
-        let always = &task.always;
-        always.allows(&|literal| state.is(literal), &|literal| next.is(literal))
-    };
-    (next != *state && allows()).then_some(next)
-}
-
 /// Returns the numbers of the operators on the path to a node.
 pub(super) fn path(nodes: &[SearchNode], mut number: u32) -> Vec<u32> {
     let mut path = Vec::new();

@@ -6,8 +6,9 @@
 //! relevance, landmark cuts, dominance) that the operator may make the test true or false. So a heuristic based on the
 //! delete relaxation stays admissible, and an operator that a test depends on is not removed.
 //!
-//! An increase by a positive constant can make `level >= 5` true and never false. If some number may grow without bound, or
-//! an effect is not constant, every effect on a variable may change every test of it in both ways.
+//! An increase by a positive constant can make `level >= 5` true and never false. An assignment of 2 makes it false, and it
+//! may make it true later: the increase by 3 after it does. If some number may grow without bound, or an effect is not
+//! constant, every effect on a variable may change every test of it in both ways.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -98,15 +99,30 @@ impl Numbers {
                 }
             }
         }
+        // By test: the values that changes other than assignments may give to it.
+        let mut moved = vec![[false; 2]; self.tests.len()];
+        for effect in operators.iter().flat_map(|operator| &operator.numeric) {
+            for (index, _) in &by_variable[effect.variable as usize] {
+                if effect.kind != NumberChangeKind::Assign {
+                    let [to_false, to_true] = outcomes(&self.tests[*index].test, effect);
+                    moved[*index][0] |= to_false;
+                    moved[*index][1] |= to_true;
+                }
+            }
+        }
         for operator in operators {
             let mut marks: Vec<GroundEffect> = Vec::new();
             for effect in &operator.numeric {
                 for (index, by_direction) in &by_variable[effect.variable as usize] {
                     let Test { fact, test } = &self.tests[*index];
-                    let can = match by_direction {
+                    let mut can = match by_direction {
                         true => outcomes(test, effect),
                         false => [true; 2],
                     };
+                    if effect.kind == NumberChangeKind::Assign {
+                        // The distance to the other value is a different one afterwards.
+                        can = [can[0] || moved[*index][0], can[1] || moved[*index][1]];
+                    }
                     for holds in [false, true].into_iter().filter(|holds| can[usize::from(*holds)]) {
                         effort::spend(effort::KEPT);
                         marks.push(GroundEffect {
@@ -281,7 +297,7 @@ fn trend(expression: &VariableExpression, variable: u32) -> Trend {
     }
 }
 
-/// Returns the values that an effect may give to a test of its variable: false, and true.
+/// Returns the values that an effect may directly give to a test of its variable: false, and true.
 fn outcomes(test: &NumberTest<u32>, effect: &GroundNumericEffect) -> [bool; 2] {
     let NumberTest::Compare(left, comparison, right) = test else {
         return [true; 2];

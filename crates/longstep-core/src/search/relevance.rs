@@ -7,8 +7,12 @@
 //! Completeness: take any plan and remove the operators that are not kept. By induction over its steps, every required
 //! literal that held in the plan still holds. The removed operators achieve no required literal (except those that held
 //! throughout). An effect that deletes a required literal fires no more often than before, since the negation of its
-//! condition is required too. An operator that records progress applies as soon as it can, and so does what follows it: a
-//! plan may have to delay it, so the negation of what its condition finds in the initial state is required, too.
+//! condition is required too.
+//!
+//! Two things can be worse if more literals hold. An operator that records progress applies as soon as it can, and a plan
+//! may have to delay the beginning of a stage. And a rule that is broken binds from the first state in which it holds, so
+//! that a plan may have to keep it broken. Therefore both polarities of their literals are required
+//! ([`Relevance::require_delays`], [`Relevance::require_rules`]).
 
 use std::collections::VecDeque;
 
@@ -55,13 +59,28 @@ pub(super) fn index(literal: Literal) -> usize {
 /// Maximum number of disjunctions of rules for which operators are removed, each of which takes one reachability analysis.
 const DISJUNCTIONS: usize = 32;
 
-/// Removes the operators that break a rule whenever they are applied. A rule that holds in the initial state holds in every
-/// state, so an operator that always makes one of its conjuncts false leads nowhere. Returns true if there were any.
+/// Returns the facts that sensing reveals.
+fn revealed(task: &Task) -> FxHashSet<u32> {
+    let sensing = task.operators.iter().filter(|operator| operator.outcome.is_some());
+    let facts = sensing.flat_map(|operator| operator.effects.iter().map(|effect| effect.literal.fact));
+    facts.collect()
+}
+
+/// Returns true if a rule holds in every state of every plan: it holds in the initial state, so no step may break it, and
+/// no sensing outcome can.
+fn always_binds(task: &Task, revealed: &FxHashSet<u32>, rule: &Formula) -> bool {
+    let mut binds = rule.holds(&|literal| task.initial[literal.fact as usize] == literal.holds);
+    rule.for_each(&mut |literal| binds &= !revealed.contains(&literal.fact));
+    binds
+}
+
+/// Removes the operators that break a rule whenever they are applied. A rule that always binds holds in every state, so an
+/// operator that always makes one of its conjuncts false leads nowhere. Returns true if there were any.
 fn keep_allowed(task: &mut Task) -> bool {
-    let initially = |literal: Literal| task.initial[literal.fact as usize] == literal.holds;
     let mut kept: FxHashSet<Literal> = FxHashSet::default();
     let mut disjunctions: Vec<Vec<Formula>> = Vec::new();
-    for rule in task.always.iter().filter(|rule| rule.holds(&initially)) {
+    let revealed = revealed(task);
+    for rule in task.always.iter().filter(|rule| always_binds(task, &revealed, rule)) {
         let conjuncts = match rule {
             Formula::And(parts) => parts.as_slice(),
             other => std::slice::from_ref(other),
@@ -244,6 +263,7 @@ fn keep_relevant(task: &mut Task, focused: bool) {
     search.require_all(&task.goal);
     task.always.iter().for_each(|rule| search.require_all(rule));
     if !focused {
+        search.require_rules();
         search.require_delays();
     }
     while let Some(literal) = search.queue.pop_front() {
@@ -252,27 +272,43 @@ fn keep_relevant(task: &mut Task, focused: bool) {
             break;
         }
     }
-    let mut tracked: Vec<bool> = search
+    let required: Vec<bool> = search
         .required
         .chunks(2)
         .map(|literals| literals[0] || literals[1])
         .collect();
     let kept = search.kept;
-    for (operator, _) in task.operators.iter().zip(&kept).filter(|(_, kept)| **kept) {
-        for effect in &operator.effects {
-            let matters = search.required[index(effect.literal)] || search.required[index(opposite(effect.literal))];
-            if matters {
-                effect
-                    .condition
-                    .for_each(&mut |literal| tracked[literal.fact as usize] = true);
-            }
-        }
-    }
     keep(&mut task.operators, &kept);
+    let tracked = tracked(task, required);
     for operator in &mut task.operators {
         // Facts that no condition requires need not be tracked.
         operator.effects.retain(|effect| tracked[effect.literal.fact as usize]);
     }
+}
+
+/// By fact: true if its value matters to a required fact. These are the required facts and those in the conditions of
+/// effects on such facts, directly or through others: without their effects, a state would have a wrong value.
+fn tracked(task: &Task, required: Vec<bool>) -> Vec<bool> {
+    let mut conditions: Vec<Vec<&Formula>> = vec![Vec::new(); required.len()];
+    for effect in task.operators.iter().flat_map(|operator| &operator.effects) {
+        conditions[effect.literal.fact as usize].push(&effect.condition);
+    }
+    let mut tracked = required;
+    let mut queue: Vec<u32> = (0..tracked.len() as u32)
+        .filter(|fact| tracked[*fact as usize])
+        .collect();
+    while let Some(fact) = queue.pop() {
+        let conditions = &conditions[fact as usize];
+        effort::spend(1 + conditions.len() / 4);
+        for condition in conditions {
+            condition.for_each(&mut |literal| {
+                if !std::mem::replace(&mut tracked[literal.fact as usize], true) {
+                    queue.push(literal.fact);
+                }
+            });
+        }
+    }
+    tracked
 }
 
 struct Relevance<'a> {
@@ -347,20 +383,39 @@ impl<'a> Relevance<'a> {
         self.task.initial[literal.fact as usize] == literal.holds && takers.is_empty()
     }
 
-    /// Requires what delays the stages, if a later one depends on the state in which it begins.
-    fn require_delays(&mut self) {
+    /// Requires both polarities of what a rule is about that does not always bind.
+    fn require_rules(&mut self) {
         let task = self.task;
-        let marks = || task.operators.iter().filter(|operator| operator.is_mark);
-        if !marks().any(|mark| mark.effects.iter().any(|effect| !effect.condition.is_true())) {
-            return;
+        let revealed = revealed(task);
+        for rule in task.always.iter().filter(|rule| !always_binds(task, &revealed, rule)) {
+            rule.for_each(&mut |literal| self.require_both(literal));
         }
-        for mark in marks() {
-            mark.precondition.for_each(&mut |literal| {
-                if task.initial[literal.fact as usize] == literal.holds {
-                    self.require(opposite(literal));
-                }
-            });
+    }
+
+    /// Requires both polarities of what the stages are about, if there are several: the state in which a stage begins
+    /// decides what counts in it.
+    fn require_delays(&mut self) {
+        let marks = self.task.marks();
+        let recorded: FxHashSet<Literal> = marks
+            .iter()
+            .flat_map(|mark| mark.effects.iter().map(|effect| effect.literal))
+            .collect();
+        let mut depends = false;
+        for mark in marks {
+            mark.precondition
+                .for_each(&mut |literal| depends |= recorded.contains(&literal));
         }
+        for mark in marks.iter().filter(|_| depends) {
+            mark.precondition.for_each(&mut |literal| self.require_both(literal));
+            for effect in &mark.effects {
+                effect.condition.for_each(&mut |literal| self.require_both(literal));
+            }
+        }
+    }
+
+    fn require_both(&mut self, literal: Literal) {
+        self.require(literal);
+        self.require(opposite(literal));
     }
 
     fn require(&mut self, literal: Literal) {

@@ -12,8 +12,9 @@ use super::Wanted;
 use crate::effort;
 use crate::model::{
     Action, Atom, Bindings, Condition, Domain, EntityId, FunctionId, Moment, NumberTest, PredicateId, Term, TypeId,
-    World, ever_candidates,
+    World, broken_bindings, ever_candidates,
 };
+use crate::verify::Milestone;
 
 /// Maximum number of ground effects for which the whole world is grounded.
 const BEARABLE: u64 = 300_000;
@@ -179,16 +180,42 @@ pub(crate) struct Requirements {
 }
 
 impl Requirements {
-    /// Collects the requirements of the wanted conditions and of the `always` rules.
-    pub(crate) fn of<'w>(world: &World, wanted: impl IntoIterator<Item = &'w Wanted>) -> Self {
+    /// Collects the requirements of the wanted conditions, of the stages and of the `always` rules.
+    ///
+    /// A plan may have to delay a stage, or to keep a rule broken that is broken at first or by a sensing outcome. So both
+    /// polarities of their literals are required (see `relevance`).
+    pub(crate) fn of<'w>(
+        world: &World,
+        wanted: impl IntoIterator<Item = &'w Wanted>,
+        stages: &[Vec<Milestone>],
+    ) -> Self {
+        let domain = world.domain();
         let mut requirements = Self::default();
         for wanted in wanted {
             requirements.condition(&wanted.condition, &wanted.bindings);
         }
+        for Milestone { wanted, .. } in stages.iter().flatten() {
+            requirements.condition(&wanted.condition, &wanted.bindings);
+            if stages.len() > 1 {
+                requirements.both(&wanted.condition);
+            }
+        }
         for (_, rule) in world.always_rules() {
             requirements.condition(&rule.everywhere(), &[]);
+            let mut atoms = rule.condition.atoms();
+            let is_revealed = atoms.any(|(atom, _)| domain.is_sensed(atom.predicate));
+            if is_revealed || !broken_bindings(rule, world, &world.state).is_empty() {
+                requirements.both(&rule.condition);
+            }
         }
         requirements
+    }
+
+    /// Adds both polarities of the literals of a condition.
+    fn both(&mut self, condition: &Condition) {
+        let predicates = condition.atoms().map(|(atom, _)| atom.predicate);
+        self.literals
+            .extend(predicates.flat_map(|predicate| [(predicate, true), (predicate, false)]));
     }
 
     /// Adds a condition whose first slots are bound.
@@ -310,7 +337,7 @@ fn named(world: &World, condition: &Condition, bindings: &mut Bindings, found: &
                 bindings.pop();
             }
         }
-        Condition::Forall(..) | Condition::Atom { .. } | Condition::Equal { .. } | Condition::Number { .. } => {}
+        Condition::Forall(..) | Condition::Atom { .. } | Condition::Equal { .. } | Condition::Number(_) => {}
     }
 }
 

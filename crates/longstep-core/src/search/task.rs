@@ -1,6 +1,9 @@
 //! The task of a search: numbered facts, operators and a goal.
 
-use super::formula::{Formula, Literal};
+use indexmap::IndexSet;
+use rustc_hash::FxBuildHasher;
+
+use super::formula::Formula;
 use super::numbers::Numbers;
 use super::operator::{GroundEffect, Operator};
 
@@ -31,14 +34,11 @@ impl Always {
     pub(super) fn of(rules: Vec<Formula>) -> Self {
         // No step can break a rule that never holds.
         let binding = |rule: &Formula| !rule.is_true() && !rule.is_false();
+        // Several prohibitions may ground to one rule.
+        let unique: IndexSet<Formula, FxBuildHasher> = rules.into_iter().filter(binding).collect();
         Self {
-            rules: rules.into_iter().filter(binding).collect(),
+            rules: unique.into_iter().collect(),
         }
-    }
-
-    /// Returns true if a step may lead from one state to the other.
-    pub(crate) fn allows(&self, before: &impl Fn(Literal) -> bool, after: &impl Fn(Literal) -> bool) -> bool {
-        self.rules.iter().all(|rule| rule.holds(after) || !rule.holds(before))
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Formula> {

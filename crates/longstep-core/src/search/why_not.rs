@@ -17,6 +17,9 @@ use crate::verify::Purpose;
 /// Work units of the whole analysis.
 const EFFORT: u64 = 40_000_000;
 
+/// Work units to copy a rule.
+const RULE: usize = 16;
+
 /// Maximum number of arguments that are tried for an action that cannot bring a fact about.
 const CHOICES: usize = 2_000;
 
@@ -97,7 +100,10 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
     let mut why = WhyNot::default();
     let rules = world.prohibitions();
     if !rules.is_empty() && is_solved(&without(&|_| true), purpose) {
-        let prevents = |index: &usize| rules.len() == 1 || is_solved(&without(&|other| other == *index), purpose);
+        // Each try copies the other rules.
+        let is_free =
+            |index: usize| effort::spend(RULE * rules.len()) && is_solved(&without(&|other| other == index), purpose);
+        let prevents = |index: &usize| rules.len() == 1 || is_free(*index);
         let single: Vec<usize> = (0..rules.len()).filter(prevents).collect();
         let which = if single.is_empty() {
             (0..rules.len()).collect()
@@ -143,7 +149,7 @@ fn conditions(purpose: &Purpose) -> Vec<Wanted> {
 
 /// Returns what the condition needs and nothing brings about, following the conditions of actions back.
 fn missing(world: &World, wanted: &Wanted) -> Option<Missing> {
-    let scope = Scope::whole(world, &Requirements::of(world, [wanted]));
+    let scope = Scope::whole(world, &Requirements::of(world, [wanted], &[]));
     if !scope.is_bearable(world) {
         return None;
     }

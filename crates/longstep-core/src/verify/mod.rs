@@ -97,6 +97,11 @@ impl Purpose {
     }
 }
 
+/// Returns the conditions that the rules of the domain impose on the final state of a plan with this purpose.
+pub(crate) fn rules_at_end(domain: &Domain, purpose: &Purpose) -> Vec<Wanted> {
+    wanted_at_end(domain, &purpose.waivers, purpose.from_goal)
+}
+
 /// Result of verification.
 #[derive(Debug, Clone)]
 pub struct Report {
@@ -173,10 +178,14 @@ impl Report {
         if !domain.has_costs() {
             return None;
         }
+        let moment = Moment {
+            world: &self.world,
+            state: &self.world.state,
+        };
         let of_step = |step: StepId| {
             let Step { action, arguments, .. } = self.plan.step(step);
             match &domain.action(*action).cost {
-                Some(cost) => cost.value(&self.world.state, arguments),
+                Some(cost) => cost.value(moment, arguments),
                 None => Some(Number::ZERO),
             }
         };

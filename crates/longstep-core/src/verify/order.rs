@@ -5,7 +5,9 @@
 
 use super::{Milestone, Purpose};
 use crate::effort;
-use crate::model::{Action, Bindings, EntityId, Fact, Moment, PredicateId, State, Wanted, World, fired, holds};
+use crate::model::{
+    Action, Bindings, EntityId, Fact, Moment, PredicateId, State, StateVariable, Wanted, World, fired, holds, support,
+};
 
 /// The stages of a purpose, prepared for simulation.
 pub(super) struct Order<'a> {
@@ -15,6 +17,9 @@ pub(super) struct Order<'a> {
     /// Number of predicates of the domain; higher numbers are progress.
     predicates: usize,
 }
+
+/// Decides whether a condition that holds (`true`), or that does not hold (`false`), is certain.
+type Certain<'a> = &'a mut dyn FnMut(Moment<'_>, &Wanted, bool) -> bool;
 
 /// A condition of a stage.
 struct Condition<'a> {
@@ -83,11 +88,10 @@ impl<'a> Order<'a> {
         self.stages[stage].iter().all(|condition| state.holds(condition.done))
     }
 
-    /// Returns true if a condition holds, with the events since its stage began.
-    fn holds(&self, world: &World, state: &State, stage: usize, wanted: &Wanted) -> bool {
-        let mut bindings = wanted.bindings.clone();
+    /// Evaluates something in a stage: with the events since it began, in place of all events.
+    fn in_stage<T>(&self, world: &World, state: &State, stage: usize, evaluate: impl FnOnce(Moment<'_>) -> T) -> T {
         if stage == 0 || self.events.is_empty() {
-            return holds(Moment { world, state }, &wanted.condition, &mut bindings);
+            return evaluate(Moment { world, state });
         }
         let mut state = state.clone();
         for (index, event) in self.events.iter().enumerate() {
@@ -102,7 +106,7 @@ impl<'a> Order<'a> {
             }
         }
         let state = &state;
-        holds(Moment { world, state }, &wanted.condition, &mut bindings)
+        evaluate(Moment { world, state })
     }
 
     /// Records the events of a step. `before` is the state before it, `after` the one to record them in.
@@ -133,22 +137,49 @@ impl<'a> Order<'a> {
         }
     }
 
+    /// Returns true if it is certain that a condition has this value in a stage; none if it has not.
+    fn judged(
+        &self,
+        world: &World,
+        state: &State,
+        stage: usize,
+        (wanted, value): (&Wanted, bool),
+        certain: Certain<'_>,
+    ) -> Option<bool> {
+        self.in_stage(world, state, stage, |moment| {
+            let is_so = holds(moment, &wanted.condition, &mut wanted.bindings.clone()) == value;
+            is_so.then(|| certain(moment, wanted, value))
+        })
+    }
+
     /// Records what a state achieves.
     pub(super) fn advance(&self, world: &World, state: &mut State) {
+        self.advance_where(world, state, &mut |_, _, _| true);
+    }
+
+    /// Records what a state achieves, as far as the conditions that hold are `certain`.
+    fn advance_where(&self, world: &World, state: &mut State, certain: Certain<'_>) {
         for (index, stage) in self.stages.iter().enumerate() {
             if index > 0 && !state.holds(self.begun(index)) {
                 if !self.is_complete(index - 1, state) {
                     return;
                 }
+                let mut open = Vec::new();
+                for (condition, flag) in stage.iter().filter_map(|condition| Some((condition, condition.open?))) {
+                    match self.judged(world, state, index, (condition.wanted, false), certain) {
+                        Some(true) => open.push(flag),
+                        Some(false) => return,
+                        None => {}
+                    }
+                }
                 state.set(self.begun(index), true);
-                for (condition, open) in stage.iter().filter_map(|condition| Some((condition, condition.open?))) {
-                    let holds = self.holds(world, state, index, condition.wanted);
-                    state.set(open, !holds);
+                for flag in open {
+                    state.set(flag, true);
                 }
             }
             for condition in stage.iter().filter(|_| effort::spend(1)) {
                 let counts = condition.open.is_none_or(|open| state.holds(open)) && !state.holds(condition.done);
-                if counts && self.holds(world, state, index, condition.wanted) {
+                if counts && self.judged(world, state, index, (condition.wanted, true), certain) == Some(true) {
                     state.set(condition.done, true);
                 }
             }
@@ -176,33 +207,53 @@ impl<'a> Order<'a> {
 }
 
 /// Progress through the stages of a purpose while its plan is carried out.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Progress(Vec<Fact>);
 
 impl Progress {
-    /// Returns the progress in the initial state.
-    pub(crate) fn begun(world: &World, purpose: &Purpose) -> Self {
-        let mut progress = Self::default();
-        progress.advance(world, purpose, &world.state);
-        progress
-    }
-
     /// Records what a state achieves.
     pub(crate) fn advance(&mut self, world: &World, purpose: &Purpose, state: &State) {
-        if !purpose.stages.is_empty() {
-            let order = Order::new(world, purpose);
-            let mut state = self.added(state);
-            order.advance(world, &mut state);
-            self.0 = state.iter_from(order.predicates).collect();
-        }
+        self.confirm(world, purpose, state, &|_| 0);
     }
 
-    /// Records a step, and what the state after it achieves.
+    /// Records what a state achieves, as far as it rests on variables without weight; returns those that the conditions rest
+    /// on besides, sorted.
+    pub(crate) fn confirm(
+        &mut self,
+        world: &World,
+        purpose: &Purpose,
+        state: &State,
+        weight: &dyn Fn(StateVariable) -> u32,
+    ) -> Vec<StateVariable> {
+        let mut open = Vec::new();
+        if purpose.stages.is_empty() {
+            return open;
+        }
+        let order = Order::new(world, purpose);
+        let mut state = self.added(state);
+        order.advance_where(world, &mut state, &mut |moment, wanted, holds| {
+            let mut bindings = wanted.bindings.clone();
+            let rests_on = match holds {
+                true => support(moment, &wanted.condition, &mut bindings, weight),
+                false => support(moment, &wanted.condition.clone().complement(), &mut bindings, weight),
+            };
+            let rests_on = rests_on.unwrap_or_default();
+            let certain = rests_on.is_empty();
+            open.extend(rests_on);
+            certain
+        });
+        self.0 = state.iter_from(order.predicates).collect();
+        open.sort_unstable();
+        open.dedup();
+        open
+    }
+
+    /// Records the events of a step.
     pub(crate) fn step(
         &mut self,
         world: &World,
         purpose: &Purpose,
-        states: (&State, &State),
+        (before, after): (&State, &State),
         action: &Action,
         arguments: &[EntityId],
     ) {
@@ -210,9 +261,8 @@ impl Progress {
             return;
         }
         let order = Order::new(world, purpose);
-        let (before, mut after) = (self.added(states.0), self.added(states.1));
+        let (before, mut after) = (self.added(before), self.added(after));
         order.step(world, &before, action, &mut arguments.to_vec(), &mut after);
-        order.advance(world, &mut after);
         self.0 = after.iter_from(order.predicates).collect();
     }
 

@@ -21,12 +21,9 @@ impl<'a> Composed<'a> {
     /// Resolves a composition. `instruction` becomes the summary of the plan.
     pub fn new(world: &'a World, inlined: Inlined, instruction: &str) -> Self {
         let file = PlanFile {
-            task_cohesion: TaskCohesion::from_written(inlined.written),
             environment_before: Some(world.environment().clone()),
-            environment_after: None,
-            endings: Vec::new(),
             instruction_summary: instruction.to_owned(),
-            question: String::new(),
+            ..PlanFile::from(TaskCohesion::from_written(inlined.written))
         };
         let draft = Draft {
             file,

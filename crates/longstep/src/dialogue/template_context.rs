@@ -150,7 +150,12 @@ fn needs(domain: &Domain, condition: &Condition, names: &[String]) -> Vec<String
 fn number(domain: &Domain, expression: &NumericExpression, names: &[String]) -> String {
     expression.written(&|own| {
         let says = &domain.function(own.function).says;
-        says.fill(|place| called(domain, own.terms[place], names))
+        let sentence = says.fill(|place| called(domain, own.terms[place], names));
+        if own.initially {
+            format!("{sentence} at the start")
+        } else {
+            sentence
+        }
     })
 }
 
@@ -190,18 +195,14 @@ fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String 
             let relation = if *holds { "is" } else { "is not" };
             format!("{left} {relation} {right}")
         }
-        Condition::Number { test, initially } => {
-            let sentence = match test {
-                NumberTest::Compare(left, comparison, right) => {
-                    let (left, right) = (number(domain, left, names), number(domain, right, names));
-                    format!("{left} {comparison} {right}")
-                }
-                NumberTest::Known(expression, true) => format!("{} is known", number(domain, expression, names)),
-                NumberTest::Known(expression, false) => format!("{} is not known", number(domain, expression, names)),
-            };
-            let when = if *initially { " at the start" } else { "" };
-            format!("{sentence}{when}")
-        }
+        Condition::Number(test) => match test {
+            NumberTest::Compare(left, comparison, right) => {
+                let (left, right) = (number(domain, left, names), number(domain, right, names));
+                format!("{left} {comparison} {right}")
+            }
+            NumberTest::Known(expression, true) => format!("{} is known", number(domain, expression, names)),
+            NumberTest::Known(expression, false) => format!("{} is not known", number(domain, expression, names)),
+        },
     }
 }
 

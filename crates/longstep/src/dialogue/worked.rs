@@ -133,14 +133,7 @@ fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<
 /// Verifies the plan of a script.
 fn scripted(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
     let written = script::read(text).map_err(|error| format!("{error} ({})", error.hint))?;
-    let file = PlanFile {
-        task_cohesion: TaskCohesion::from_written(written),
-        environment_before: None,
-        environment_after: None,
-        endings: Vec::new(),
-        instruction_summary: String::new(),
-        question: String::new(),
-    };
+    let file = PlanFile::from(TaskCohesion::from_written(written));
     verified(domain, world, file, summary)
 }
 

@@ -27,10 +27,8 @@ impl EnvironmentFile<'_> {
             .chain(wrapped)
             .find_map(|path| json::locate(self.text, &path));
         let diagnostic = Diagnostic {
-            file: self.name.to_owned(),
             position,
-            message,
-            hint: Some(hint.to_owned()),
+            ..Diagnostic::whole(self.name, message).hint(hint)
         };
         Finding {
             lint,

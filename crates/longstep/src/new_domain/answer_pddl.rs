@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use super::answer_reader::{AnswerReader, guess_removed};
 use super::answers::Answers;
+use super::problem::MadeUp;
 use super::sentence::{Pattern, Piece, Which, kinds_of, plain};
 use super::wording::{PredicateText, identifier};
 use super::{Blueprint, problem};
@@ -13,7 +14,7 @@ use crate::model::plain_name;
 
 impl Answers {
     /// Returns the meaning and an example problem.
-    pub(super) fn blueprint(&self) -> Result<(Blueprint, String), Diagnostics> {
+    pub(super) fn blueprint(&self) -> Result<(Blueprint, MadeUp), Diagnostics> {
         if self.kind.is_empty() || self.action.is_empty() {
             let finding = Diagnostic::whole("the answers", "a domain needs a kind of things and an action");
             let hint = "add `[[kind]] name = \"box\"` and `[[action]] words = \"pick up a box\"`";
@@ -40,7 +41,10 @@ impl Answers {
         };
         let given = self.kind.iter().all(|kind| !kind.examples.is_empty()) && !self.start.is_empty();
         let problem = match given {
-            true => reader.problem(),
+            true => MadeUp {
+                text: reader.problem(),
+                is_partial: false,
+            },
             false => problem::write(&longstep_core::domain::from_pddl("the answers", &blueprint.pddl)?),
         };
         match reader.findings.is_empty() {

@@ -3,7 +3,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::sample::{Sample, samples};
+use super::sample::{Sample, Sampler};
 use super::words::quoted;
 use crate::dialogue::scene_lists;
 use crate::environment::{self, EntityId, Environment, World};
@@ -105,13 +105,14 @@ fn shown(world: &World, sample: &Sample) -> FxHashSet<EntityId> {
 }
 
 /// Writes `prompt/examples.toml`.
-pub(super) fn examples(world: &World) -> String {
+pub(super) fn examples(world: &World, sampler: &mut Sampler) -> String {
     let world = &renamed(world).unwrap_or_else(|| world.clone());
     let mut text = String::from(
         "# Worked examples for the model, made from the sentences in domain.toml; every answer was planned and verified.\n\
          # Replace instructions by words that people really say. Use names that your own environments do not have.\n",
     );
-    let mut scene = String::new();
+    // Without an example, the scene is empty.
+    let mut scene = "objects = {}\nplaces = {}".to_owned();
     let mut done: Vec<String> = Vec::new();
     let mut add = |world: &World, sample: &Sample| {
         if done.contains(&sample.instruction) || done.len() >= EXAMPLES {
@@ -134,33 +135,41 @@ pub(super) fn examples(world: &World) -> String {
         done.push(sample.instruction.clone());
     };
     let words = world.domain().goal_words.len();
-    let first = samples(world, words + 1, 0);
+    // More are not shown.
+    let wanted = EXAMPLES.min(words + 1);
+    let first = sampler.samples(world, wanted, 0);
     first.iter().for_each(|sample| add(world, sample));
     // A goal that holds at the start is one after another goal: an empty hand after grasping.
     let mut open: FxHashSet<GoalWordId> = (0..words).map(GoalWordId::new).collect();
-    let mut close = |sample: &Sample| {
+    let of_words = |sample: &Sample| -> Vec<GoalWordId> {
         let words = sample.goal.facts.iter().filter_map(|fact| match fact {
             GoalFact::Word { word, .. } => Some(*word),
             _ => None,
         });
-        words.filter(|word| open.remove(word)).count() > 0
+        words.collect()
     };
-    first.iter().for_each(|sample| {
-        close(sample);
-    });
+    for sample in &first {
+        of_words(sample).iter().for_each(|word| {
+            open.remove(word);
+        });
+    }
     let endings = first.iter().filter_map(|sample| sample.plan.endings().first());
-    for ending in endings.take(LATER) {
+    for ending in endings.take(if first.len() < EXAMPLES { LATER } else { 0 }) {
         let later = world.after(ending);
-        for sample in samples(&later, words, 0) {
-            if close(&sample) {
+        let still_open: Vec<GoalWordId> = (0..words).map(GoalWordId::new).filter(|id| open.contains(id)).collect();
+        for sample in sampler.samples_of(&later, still_open, EXAMPLES.min(open.len() + 1), 0) {
+            if of_words(&sample).iter().filter(|word| open.remove(word)).count() > 0 {
                 add(&later, &sample);
             }
         }
     }
     for seed in 1..3 {
-        samples(world, words + 1, seed)
-            .iter()
-            .for_each(|sample| add(world, sample));
+        if first.len() < EXAMPLES {
+            sampler
+                .samples(world, wanted, seed)
+                .iter()
+                .for_each(|sample| add(world, sample));
+        }
     }
     for (instruction, question) in [
         ("Bring me the trumpet.", "I see no trumpet here. What should I use?"),
@@ -176,12 +185,12 @@ pub(super) fn examples(world: &World) -> String {
 }
 
 /// Writes `prompt/plans.toml`.
-pub(super) fn plans(world: &World) -> String {
+pub(super) fn plans(world: &World, sampler: &mut Sampler) -> String {
     let world = &renamed(world).unwrap_or_else(|| world.clone());
     let mut text =
         String::from("# Worked examples for a model that writes whole plans; search plans for each `goal`.\n");
     let mut environment = String::new();
-    for sample in samples(world, PLANS, 0) {
+    for sample in sampler.samples(world, PLANS, 0) {
         let keep: Vec<EntityId> = {
             let shown = shown(world, &sample);
             let all = world.entities().map(|(id, _)| id);

@@ -28,11 +28,15 @@ use crate::environment;
 use crate::lint::{Finding, lint, lint_environment};
 use crate::model::{Domain, Files};
 use crate::{load, model};
+use sample::Sampler;
 use wording::PredicateText;
 use words::Words;
 
 /// Instructions in the suite of a new domain.
 const SUITE: usize = 5;
+
+/// Reason given when the searches for examples have spent their budget.
+const TOO_MUCH: &str = "the searches for examples took all the work that they may take";
 
 /// The files of a new domain.
 #[derive(Debug, Clone)]
@@ -43,6 +47,8 @@ pub struct NewDomain {
     pub domain: Domain,
     /// Probable mistakes for the author to look at.
     pub findings: Vec<Finding>,
+    /// Decisions for the author to know: names that have other words.
+    pub notes: Vec<Diagnostic>,
     /// True if the example environment was made up, since there was no problem file.
     pub invented: bool,
 }
@@ -97,19 +103,19 @@ pub fn from_any_pddl(
         pddl: domain.text.to_owned(),
         ..Blueprint::default()
     };
-    let written;
-    let (source, invented) = match problem {
-        Some(problem) => (problem, false),
-        None => {
-            written = problem::write(&bare);
-            let source = SourceText {
-                file: "the made-up problem",
-                text: &written,
-            };
-            (source, true)
-        }
+    if let Some(problem) = problem {
+        return complete(&blueprint, domain.file, problem, false);
+    }
+    let made_up = problem::write(&bare);
+    let source = SourceText {
+        file: "the made-up problem",
+        text: &made_up.text,
     };
-    complete(&blueprint, domain.file, source, invented)
+    let mut new = complete(&blueprint, domain.file, source, true)?;
+    let note = made_up.note(domain.file);
+    new.notes
+        .extend(note.map(|note| note.hint("give a problem file with --problem")));
+    Ok(new)
 }
 
 /// Makes a domain from an author's answers.
@@ -121,9 +127,15 @@ pub fn from_answers(answers: &Answers) -> Result<NewDomain, Diagnostics> {
     let (blueprint, problem) = answers.blueprint()?;
     let source = SourceText {
         file: "the answers",
-        text: &problem,
+        text: &problem.text,
     };
-    complete(&blueprint, "the answers", source, false)
+    let mut new = complete(&blueprint, "the answers", source, false)?;
+    new.notes.extend(problem.note("the answers"));
+    for note in new.notes.iter_mut().filter(|note| note.position.is_some()) {
+        // The answers have no PDDL; the new folder has.
+        note.file = "domain.pddl".to_owned();
+    }
+    Ok(new)
 }
 
 /// Makes all files from a blueprint and an example problem.
@@ -139,7 +151,13 @@ fn complete(
         return Err(Diagnostics(vec![finding.hint("add an `(:action ...)`")]));
     }
     let words = Words::of(&bare, blueprint);
-    let problem = longstep_core::pddl::read_problem(&bare, problem.file, problem.text)?;
+    // The author's file that the environment is made from.
+    let source = if invented { pddl_file } else { problem.file };
+    let problem =
+        longstep_core::pddl::read_problem(&bare, problem.file, problem.text).map_err(|findings| match invented {
+            true => of_author(findings, pddl_file),
+            false => findings,
+        })?;
     let lists = example_world::lists(&bare, blueprint, &problem.world);
     let mut files = vec![
         ("domain.pddl".to_owned(), blueprint.pddl.clone()),
@@ -150,11 +168,19 @@ fn complete(
     let first = load_files(&files, pddl_file)?;
     let environment = example_world::environment(&first, &problem.world, lists);
     let json = example_world::json(&environment);
-    let world = environment::parse(&first, "environment.json", &json)?;
-    let samples = samples(&world, SUITE, 0);
+    let world = environment::parse(&first, "environment.json", &json);
+    let world = world.map_err(|findings| of_author(findings, source))?;
+    let mut sampler = Sampler::default();
+    let samples = sampler.samples(&world, SUITE, 0);
+    if samples.is_empty() && sampler.is_exhausted() {
+        let finding = Diagnostic::whole(pddl_file, format!("no example was found: {TOO_MUCH}"));
+        return Err(Diagnostics(vec![
+            finding.hint("give a small problem file with --problem"),
+        ]));
+    }
     if samples.is_empty() {
         let finding = Diagnostic::whole(
-            problem_name(invented),
+            source,
             "no goal of the domain can be reached in the example world, so there is nothing to show a model",
         );
         let hint = match invented {
@@ -166,32 +192,52 @@ fn complete(
     files.push(("environment.json".to_owned(), json.clone()));
     files.extend(example::suite(&blueprint.name, &world, &samples));
     files.push(("suite/scenes/example.json".to_owned(), json.clone()));
-    files[3].1 = example::examples(&world);
-    files.push(("prompt/plans.toml".to_owned(), example::plans(&world)));
+    files.push(("prompt/plans.toml".to_owned(), example::plans(&world, &mut sampler)));
+    files[3].1 = example::examples(&world, &mut sampler);
     let domain = load_files(&files, pddl_file)?;
     let shown = Files::from_texts("", files.iter().cloned());
     let mut findings = lint(&domain, &shown);
     findings.extend(lint_environment(&world, &shown, "environment.json", &json));
+    let positions = longstep_core::domain::declaration_positions(&blueprint.pddl);
+    let mut notes: Vec<Diagnostic> = words
+        .renamed
+        .iter()
+        .map(|own| own.note(pddl_file, &positions))
+        .collect();
+    if sampler.is_exhausted() {
+        notes.push(Diagnostic::whole(
+            pddl_file,
+            format!("there are fewer examples than usual: {TOO_MUCH}"),
+        ));
+    }
     Ok(NewDomain {
         files,
         domain,
         findings,
+        notes,
         invented,
     })
 }
 
-fn problem_name(invented: bool) -> &'static str {
-    if invented { "domain.pddl" } else { "environment.json" }
+/// Loads the files; `pddl_file` is the author's name for the text of `domain.pddl`.
+fn load_files(files: &[(String, String)], pddl_file: &str) -> Result<Domain, Diagnostics> {
+    load::load(&Files::from_texts("", files.iter().cloned())).map_err(|findings| of_author(findings, pddl_file))
 }
 
-/// Loads the files. Findings about `domain.pddl` name the author's file instead, which has the same text.
-fn load_files(files: &[(String, String)], pddl_file: &str) -> Result<Domain, Diagnostics> {
-    load::load(&Files::from_texts("", files.iter().cloned())).map_err(|mut findings| {
-        for finding in &mut findings.0 {
-            if finding.file == "domain.pddl" {
-                finding.file = pddl_file.to_owned();
-            }
+/// Returns the findings about the files of a new domain as findings about the author's file: that is `domain.pddl` by
+/// another name, and the others are made from it.
+fn of_author(findings: Diagnostics, pddl_file: &str) -> Diagnostics {
+    let of_author = |mut finding: Diagnostic| {
+        if finding.file == "domain.pddl" {
+            finding.file = pddl_file.to_owned();
+            return finding;
         }
-        findings
-    })
+        let hint = finding.hint.take();
+        let message = format!("what is made from it does not load: {finding}");
+        Diagnostic {
+            hint,
+            ..Diagnostic::whole(pddl_file, message)
+        }
+    };
+    Diagnostics(findings.0.into_iter().map(of_author).collect())
 }

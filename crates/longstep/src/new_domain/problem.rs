@@ -6,14 +6,23 @@
 
 use std::fmt::Write;
 
+use indexmap::IndexSet;
 use rustc_hash::FxHashSet;
 
 use super::words::unary_statics;
+use crate::diagnostic::Diagnostic;
+use crate::effort;
 use crate::model::{Action, Atom, Condition, Term, TypeId};
 use longstep_core::model::Domain;
 
+/// Work units for the facts of a made-up world.
+const EFFORT: u64 = 5_000_000;
+/// Kinds of objects in a made-up world.
+const KINDS: usize = 300;
 /// Argument lists of one action that are looked at.
 const BINDINGS: usize = 5_000;
+/// Work units for one argument list that is kept or looked at.
+const KEPT: usize = 8;
 /// Facts of one relation that never changes.
 const RELATION: usize = 60;
 
@@ -21,7 +30,7 @@ const RELATION: usize = 60;
 type Ground = (usize, Vec<usize>);
 
 /// A kind of object: a type, and the facts that tell kinds apart in untyped files.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 struct Kind {
     of: TypeId,
     statics: Vec<usize>,
@@ -31,19 +40,43 @@ struct Sketch<'d> {
     domain: &'d Domain,
     /// Name, type and static facts; constants first.
     objects: Vec<(String, Kind)>,
+    /// True if there are objects of some kinds only.
+    is_partial: bool,
+}
+
+/// A made-up problem.
+pub(super) struct MadeUp {
+    pub(super) text: String,
+    /// True if objects or facts are missing, since the domain is too large for an example.
+    pub(super) is_partial: bool,
+}
+
+impl MadeUp {
+    /// Returns the note for the author of a domain that is too large for an example.
+    pub(super) fn note(&self, file: &str) -> Option<Diagnostic> {
+        let message = "the domain is too large for a complete example world: some kinds or facts are missing in it";
+        self.is_partial.then(|| Diagnostic::whole(file, message))
+    }
 }
 
 /// Writes a problem for the domain.
-pub(super) fn write(domain: &Domain) -> String {
+pub(super) fn write(domain: &Domain) -> MadeUp {
     let sketch = Sketch::new(domain);
-    let facts = sketch.initial_facts();
+    let facts = effort::within(EFFORT, || sketch.initial_facts());
+    MadeUp {
+        text: written(domain, &sketch, &facts.result),
+        is_partial: sketch.is_partial || facts.exhausted,
+    }
+}
+
+fn written(domain: &Domain, sketch: &Sketch<'_>, facts: &IndexSet<Ground>) -> String {
     let mut text = format!("(define (problem example) (:domain {})\n(:objects", domain.pddl_name);
     for (name, kind) in &sketch.objects[domain.constants.len()..] {
         // Writing to a string does not fail.
         let _ = write!(text, " {name} - {}", domain.types.name(kind.of));
     }
     text.push_str(")\n(:init");
-    for (predicate, objects) in &facts {
+    for (predicate, objects) in facts {
         let names: String = objects.iter().map(|o| format!(" {}", sketch.objects[*o].0)).collect();
         let _ = write!(text, " ({}{names})", domain.predicates[*predicate].name);
     }
@@ -76,47 +109,41 @@ fn required(action: &Action) -> impl Iterator<Item = &Atom> {
 
 impl<'d> Sketch<'d> {
     fn new(domain: &'d Domain) -> Self {
-        let mut kinds: Vec<Kind> = Vec::new();
-        let mut wanted = 2;
+        let all = TypeId::OBJECT.index()..domain.types.names().count();
+        let leaves: Vec<bool> = all.clone().map(|kind| is_leaf(domain, TypeId::new(kind))).collect();
+        let mut kinds: IndexSet<Kind> = IndexSet::new();
+        let (mut wanted, mut is_partial) = (2, false);
         for action in &domain.actions {
-            let mut own: Vec<Kind> = Vec::new();
+            let mut own: FxHashSet<Kind> = FxHashSet::default();
             for (slot, parameter) in action.parameters.iter().enumerate() {
                 let statics = unary_statics(domain, &action.precondition, slot);
-                let leaves = (0..domain.types.names().count()).map(TypeId::new).filter(|kind| {
-                    domain.types.is_a(*kind, parameter.kind) && (is_leaf(domain, *kind) || *kind == parameter.kind)
+                let below = all.clone().filter(|kind| {
+                    domain.types.is_a(TypeId::new(*kind), parameter.kind)
+                        && (leaves[*kind] || *kind == parameter.kind.index())
                 });
-                let leaves: Vec<TypeId> = leaves.collect();
-                for of in leaves
-                    .iter()
-                    .copied()
-                    .filter(|of| leaves.len() == 1 || is_leaf(domain, *of))
-                {
-                    let statics = statics.clone();
-                    own.push(Kind { of, statics });
+                let below: Vec<usize> = below.collect();
+                for of in below.iter().filter(|of| below.len() == 1 || leaves[**of]) {
+                    let kind = Kind {
+                        of: TypeId::new(*of),
+                        statics: statics.clone(),
+                    };
+                    is_partial |= kinds.len() == KINDS && !kinds.contains(&kind);
+                    if kinds.len() < KINDS {
+                        kinds.insert(kind.clone());
+                    }
+                    wanted = if own.insert(kind) { wanted } else { 3 };
                 }
             }
-            let twice = own
-                .iter()
-                .any(|kind| own.iter().filter(|other| *other == kind).count() > 1);
-            wanted = if twice { 3 } else { wanted };
-            kinds.extend(own);
         }
-        let all = kinds.clone();
         let within = |kind: &Kind| {
             let more = |other: &Kind| {
                 other.of == kind.of
                     && other.statics.len() > kind.statics.len()
                     && kind.statics.iter().all(|fact| other.statics.contains(fact))
             };
-            all.iter().any(more)
+            kinds.iter().any(more)
         };
-        kinds.retain(|kind| !within(kind));
-        let mut unique: Vec<Kind> = Vec::new();
-        for kind in kinds {
-            if !unique.contains(&kind) {
-                unique.push(kind);
-            }
-        }
+        let unique: Vec<Kind> = kinds.iter().filter(|kind| !within(kind)).cloned().collect();
         let constants = domain.constants.iter();
         let constant = |(name, of): &(String, TypeId)| {
             let known = unique.iter().find(|kind| kind.of == *of);
@@ -139,7 +166,11 @@ impl<'d> Sketch<'d> {
                 objects.push((name, kind.clone()));
             }
         }
-        Self { domain, objects }
+        Self {
+            domain,
+            objects,
+            is_partial,
+        }
     }
 
     /// Returns lists of different objects of the types.
@@ -148,8 +179,12 @@ impl<'d> Sketch<'d> {
         for kind in kinds {
             let mut longer = Vec::new();
             for list in &lists {
+                if longer.len() >= limit || !effort::spend(self.objects.len() / 4 + 1) {
+                    break;
+                }
                 for (object, (_, own)) in self.objects.iter().enumerate() {
                     if self.domain.types.is_a(own.of, *kind) && !list.contains(&object) && longer.len() < limit {
+                        effort::spend(KEPT);
                         longer.push([list.as_slice(), &[object]].concat());
                     }
                 }
@@ -192,17 +227,12 @@ impl<'d> Sketch<'d> {
         })
     }
 
-    fn initial_facts(&self) -> Vec<Ground> {
+    fn initial_facts(&self) -> IndexSet<Ground> {
         let domain = self.domain;
-        let mut facts: Vec<Ground> = Vec::new();
-        let add = |facts: &mut Vec<Ground>, fact: Ground| {
-            if !facts.contains(&fact) {
-                facts.push(fact);
-            }
-        };
+        let mut facts: IndexSet<Ground> = IndexSet::new();
         for (object, (_, kind)) in self.objects.iter().enumerate() {
             for fact in &kind.statics {
-                add(&mut facts, (*fact, vec![object]));
+                facts.insert((*fact, vec![object]));
             }
         }
         let bindings: Vec<Vec<Vec<usize>>> = domain.actions.iter().map(|action| self.bindings(action)).collect();
@@ -211,7 +241,7 @@ impl<'d> Sketch<'d> {
             for atom in required(action).filter(|atom| !fluent(atom.predicate.index())) {
                 for binding in bindings.iter().take(RELATION) {
                     if let Some(fact) = self.ground(atom, binding) {
-                        add(&mut facts, fact);
+                        facts.insert(fact);
                     }
                 }
             }
@@ -219,6 +249,7 @@ impl<'d> Sketch<'d> {
         for _ in 0..2 * domain.actions.len() {
             let reached = self.relaxed(&facts, &bindings);
             let missing = |action: usize, binding: &Vec<usize>| -> Vec<Ground> {
+                effort::spend(KEPT);
                 let needed = required(&domain.actions[action]);
                 let ground = needed.filter_map(|atom| self.ground(atom, binding));
                 ground.filter(|fact| !reached.contains(fact)).collect()
@@ -229,12 +260,12 @@ impl<'d> Sketch<'d> {
             };
             // In the order of the file: authors begin with what is possible at the start.
             let mut open = (0..domain.actions.len()).filter_map(cheapest);
-            let Some(next) = open.find(|facts| !facts.is_empty()) else {
+            let Some(next) = open.find(|facts| !facts.is_empty()).filter(|_| effort::spend(1)) else {
                 break;
             };
             for fact in next {
                 for spread in self.spread(fact) {
-                    add(&mut facts, spread);
+                    facts.insert(spread);
                 }
             }
         }
@@ -262,12 +293,15 @@ impl<'d> Sketch<'d> {
     }
 
     /// Returns all facts that can be reached if nothing is ever taken away.
-    fn relaxed(&self, facts: &[Ground], bindings: &[Vec<Vec<usize>>]) -> FxHashSet<Ground> {
+    fn relaxed(&self, facts: &IndexSet<Ground>, bindings: &[Vec<Vec<usize>>]) -> FxHashSet<Ground> {
         let mut reached: FxHashSet<Ground> = facts.iter().cloned().collect();
         loop {
             let before = reached.len();
             for (action, bindings) in self.domain.actions.iter().zip(bindings) {
                 for binding in bindings {
+                    if !effort::spend(KEPT) {
+                        return reached;
+                    }
                     let mut needed = required(action).filter_map(|atom| self.ground(atom, binding));
                     if needed.all(|fact| reached.contains(&fact)) {
                         let added = action.effects.iter().filter(|effect| effect.adds);

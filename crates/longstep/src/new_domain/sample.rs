@@ -1,5 +1,8 @@
 //! Instructions made from a domain's own goal words and sentences, each with the goal that it was made from.
 
+use rustc_hash::FxHashMap;
+
+use crate::effort;
 use crate::environment::{Bindings, EntityId, Moment, World, holds};
 use crate::goal::{Goal, GoalFact};
 use crate::model::GoalWordId;
@@ -12,6 +15,12 @@ use crate::verify::VerifiedPlan;
 const BINDINGS: usize = 2_000;
 /// Searches for one goal word and round.
 const SEARCHES: usize = 6;
+
+/// The work units for all instructions of a new domain, about half a second.
+const EFFORT: u64 = 10_000_000;
+
+/// The effort of the search for one of them, in millions of work units.
+const SEARCH: u32 = 2;
 
 /// An instruction with a known meaning.
 #[derive(Debug, Clone)]
@@ -37,28 +46,65 @@ pub struct Sample {
 /// # Ok::<(), longstep::Error>(())
 /// ```
 pub fn samples(world: &World, count: usize, seed: u64) -> Vec<Sample> {
-    let words = world.domain().goal_words.len();
-    let mut candidates: Vec<Vec<GoalFact>> = (0..words)
-        .map(|index| {
-            shuffled(
-                candidates(world, GoalWordId::new(index)),
-                seed.wrapping_add(index as u64),
-            )
-        })
-        .collect();
-    let order = shuffled((0..words).collect(), seed);
+    let words = (0..world.domain().goal_words.len()).map(GoalWordId::new);
+    samples_of(world, words.collect(), count, seed, &Limits::from(Effort::SMALL))
+}
+
+/// Makes the instructions of a new domain, each of which takes a search, within one budget of work.
+#[derive(Debug)]
+pub(super) struct Sampler {
+    left: u64,
+}
+
+impl Default for Sampler {
+    fn default() -> Self {
+        Self { left: EFFORT }
+    }
+}
+
+impl Sampler {
+    /// Returns true if the budget is exhausted: there are fewer instructions than wanted.
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.left == 0
+    }
+
+    /// Makes up to `count` instructions; see [`samples`].
+    pub(super) fn samples(&mut self, world: &World, count: usize, seed: u64) -> Vec<Sample> {
+        let words = (0..world.domain().goal_words.len()).map(GoalWordId::new);
+        self.samples_of(world, words.collect(), count, seed)
+    }
+
+    /// Makes up to `count` instructions with some of the goal words; see [`samples`].
+    pub(super) fn samples_of(&mut self, world: &World, words: Vec<GoalWordId>, count: usize, seed: u64) -> Vec<Sample> {
+        let limits = Limits::from(Effort::try_from(SEARCH).unwrap_or(Effort::SMALL));
+        let spent = effort::within(self.left, || samples_of(world, words, count, seed, &limits));
+        self.left -= spent.units.min(self.left);
+        spent.result
+    }
+}
+
+/// Makes up to `count` instructions with some of the goal words, each with a search within these limits; see [`samples`].
+fn samples_of(world: &World, words: Vec<GoalWordId>, count: usize, seed: u64, limits: &Limits) -> Vec<Sample> {
+    let order = shuffled(words, seed);
+    // The goals of a word are looked for when its turn comes.
+    let mut known: FxHashMap<GoalWordId, Vec<GoalFact>> = FxHashMap::default();
     let singles = count - usize::from(count > 2);
     let mut found: Vec<Sample> = Vec::new();
     let mut open = true;
     while found.len() < singles && open {
         open = false;
-        for index in &order {
+        for word in &order {
             if found.len() == singles {
                 break;
             }
+            let goals = known
+                .entry(*word)
+                .or_insert_with(|| shuffled(candidates(world, *word), seed.wrapping_add(word.index() as u64)));
             for _ in 0..SEARCHES {
-                let Some(fact) = candidates[*index].pop() else { break };
-                if let Some(sample) = sample(world, vec![fact], found.len()) {
+                let Some(fact) = goals.pop().filter(|_| effort::spend(1)) else {
+                    break;
+                };
+                if let Some(sample) = sample(world, vec![fact], found.len(), limits) {
                     found.push(sample);
                     open = true;
                     break;
@@ -77,7 +123,7 @@ pub fn samples(world: &World, count: usize, seed: u64) -> Vec<Sample> {
     });
     let joined = apart.take(SEARCHES).find_map(|(left, right)| {
         let facts = left.goal.facts.iter().chain(&right.goal.facts).cloned().collect();
-        let both = sample(world, facts, 0)?;
+        let both = sample(world, facts, 0, limits)?;
         let instruction = format!("{} {}", left.instruction, right.instruction);
         Some(Sample { instruction, ..both })
     });
@@ -106,9 +152,12 @@ fn candidates(world: &World, id: GoalWordId) -> Vec<GoalFact> {
     for parameter in &word.parameters {
         let mut longer = Vec::new();
         for list in &lists {
+            if longer.len() >= BINDINGS {
+                break;
+            }
             for entity in world.of_kind(parameter.kind) {
                 // An instruction about one entity twice is rarely meant.
-                if !list.contains(entity) && longer.len() < BINDINGS {
+                if !list.contains(entity) && longer.len() < BINDINGS && effort::spend(1 + list.len()) {
                     longer.push(list.iter().copied().chain([*entity]).collect());
                 }
             }
@@ -123,12 +172,12 @@ fn candidates(world: &World, id: GoalWordId) -> Vec<GoalFact> {
 }
 
 /// Returns the sample for a goal, if search finds a plan with a step; `place` alternates the form of the sentence.
-fn sample(world: &World, facts: Vec<GoalFact>, place: usize) -> Option<Sample> {
+fn sample(world: &World, facts: Vec<GoalFact>, place: usize, limits: &Limits) -> Option<Sample> {
     let goal = Goal::from(facts);
     if goal.depends_on_sensing(world.domain()) {
         return None;
     }
-    let plan = report::of_goal(world, &goal, "", &Limits::from(Effort::SMALL), || 0.0).plan?;
+    let plan = report::of_goal(world, &goal, "", limits, || 0.0).plan?;
     let last = plan.steps().last()?.explanation.clone();
     let named = entities(&goal);
     let mut names = named.iter().map(|id| world.entity(*id).name.as_str());

@@ -209,3 +209,72 @@ fn what_is_not_supported_is_named_with_its_line() {
     assert!(found.starts_with("d.pddl:2:"), "{found}");
     assert!(found.contains("`:durative-actions` is not supported"), "{found}");
 }
+
+/// A domain of one predicate and one action for each number: the first predicate leads to the last one.
+fn chain(count: usize) -> String {
+    let predicates: String = (0..=count).map(|n| format!(" (p{n} ?x)")).collect();
+    let action = |n: usize| {
+        format!(
+            " (:action a{n} :parameters (?x) :precondition (p{n} ?x) :effect (p{} ?x))",
+            n + 1
+        )
+    };
+    let actions: String = (0..count).map(action).collect();
+    format!("(define (domain k) (:predicates{predicates}){actions})")
+}
+
+#[test]
+fn a_large_domain_takes_bounded_work_and_says_what_is_missing() {
+    let noted = |new: &NewDomain| {
+        new.notes
+            .iter()
+            .any(|note| note.message.contains("all the work that they may take"))
+    };
+    let mut most = 0;
+    for count in [20, 80, 240] {
+        let spent = longstep_core::effort::within(u64::MAX, || made(&chain(count), None));
+        most = spent.units.max(most);
+        let examples = spent.result.domain.prompts.examples.len();
+        assert!(examples > 4, "{count}: {examples} examples");
+        assert!(examples >= 20 || noted(&spent.result), "{count}: {examples} examples");
+    }
+    // Loading, the made-up world, the examples and the lints; without a bound it was many times that.
+    assert!(most < 50_000_000, "{most} units");
+}
+
+#[test]
+fn kinds_of_objects_are_bounded_and_counted() {
+    let types: String = (0..400).map(|n| format!(" t{n}")).collect();
+    let text = format!(
+        "(define (domain wide) (:requirements :typing) (:types{types} - object) (:predicates (p ?a) (q ?a))
+          (:action go :parameters (?a) :precondition (p ?a) :effect (q ?a)))"
+    );
+    let new = made(&text, None);
+    let notes: Vec<&str> = new.notes.iter().map(|note| note.message.as_str()).collect();
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("too large for a complete example world")),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn names_that_a_notation_reserves_get_other_words_and_a_note() {
+    let text = "(define (domain f) (:requirements :adl)\n (:predicates (if ?x) (never ?x) (all ?x) (untouched ?x))\n \
+                (:action for :parameters (?x) :precondition (not (if ?x)) :effect (and (if ?x) (never ?x) (all ?x) (untouched ?x))))";
+    let new = made(text, None);
+    assert_eq!(goals(&new), ["is_if(X)", "is_never(X)", "is_all(X)", "is_untouched(X)"]);
+    assert_eq!(new.domain.actions[0].call, "do_for");
+    let notes: Vec<String> = new.notes.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        notes,
+        [
+            "d.pddl:2:16: `if` is a word of the goal language; domain.toml has `is_if` for it",
+            "d.pddl:2:24: `never` is a word of the goal language; domain.toml has `is_never` for it",
+            "d.pddl:2:35: `all` is a word of the goal language; domain.toml has `is_all` for it",
+            "d.pddl:2:44: `untouched` is a word of the goal language; domain.toml has `is_untouched` for it",
+            "d.pddl:3:11: `for` is a word of the notation of plans; domain.toml has `do_for` for it",
+        ]
+    );
+}

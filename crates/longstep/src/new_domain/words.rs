@@ -4,7 +4,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::Blueprint;
+use longstep_core::domain::DeclarationPositions;
+
 use super::wording::{self, PredicateText, capitalized, identifier};
+use crate::call::{is_goal_keyword, is_script_keyword};
+use crate::diagnostic::Diagnostic;
 use crate::model::{ActionId, Atom, Condition, Parameter, Predicate, Term, TypeId};
 use longstep_core::model::Domain;
 
@@ -13,31 +17,103 @@ pub(super) struct Words {
     pub(super) predicates: Vec<(String, PredicateText)>,
     actions: Vec<(String, String)>,
     functions: Vec<String>,
+    /// The names that a notation reserves, in the order of the lists of predicates, numeric functions and actions.
+    pub(super) renamed: Vec<Renamed>,
+}
+
+/// The list of a domain that a name is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Declared {
+    Predicate,
+    Function,
+    Action,
+}
+
+/// A name of the PDDL file that has another word, since a notation reserves it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Renamed {
+    pub(super) list: Declared,
+    pub(super) index: usize,
+    /// The name as a word.
+    pub(super) name: String,
+    /// The word in `domain.toml`.
+    pub(super) word: String,
+}
+
+impl Renamed {
+    /// Returns the note for the author, at the place of the name.
+    pub(super) fn note(&self, file: &str, positions: &DeclarationPositions) -> Diagnostic {
+        let (all, notation) = match self.list {
+            Declared::Predicate => (&positions.predicates, "the goal language"),
+            Declared::Function => (&positions.functions, "the goal language"),
+            Declared::Action => (&positions.actions, "the notation of plans"),
+        };
+        let message = format!(
+            "`{}` is a word of {notation}; domain.toml has `{}` for it",
+            self.name, self.word
+        );
+        match all.get(self.index) {
+            Some(position) => Diagnostic::at(file, *position, message),
+            None => Diagnostic::whole(file, message),
+        }
+    }
+}
+
+/// Gives names their words, each another one.
+#[derive(Default)]
+struct Naming {
+    taken: BTreeMap<String, usize>,
+    renamed: Vec<Renamed>,
+}
+
+impl Naming {
+    fn word(&mut self, list: Declared, index: usize, pddl_name: &str) -> String {
+        let name = identifier(pddl_name);
+        let other = match list {
+            Declared::Predicate => is_goal_keyword(&name).then(|| format!("is_{name}")),
+            Declared::Function => is_goal_keyword(&name).then(|| format!("{name}_number")),
+            Declared::Action => is_script_keyword(&name).then(|| format!("do_{name}")),
+        };
+        let Some(other) = other else {
+            return unique(name, &mut self.taken);
+        };
+        let word = unique(other, &mut self.taken);
+        self.renamed.push(Renamed {
+            list,
+            index,
+            name,
+            word: word.clone(),
+        });
+        word
+    }
 }
 
 impl Words {
     pub(super) fn of(domain: &Domain, blueprint: &Blueprint) -> Self {
-        let mut taken = BTreeMap::new();
-        let predicates = domain.predicates.iter().zip(&domain.predicate_words);
-        let predicates = predicates.map(|(predicate, words)| {
+        let mut words = Naming::default();
+        let predicates = domain.predicates.iter().zip(&domain.predicate_words).enumerate();
+        let predicates = predicates.map(|(index, (predicate, own))| {
             let given = blueprint.predicates.get(&predicate.name).cloned();
-            let text = given.unwrap_or_else(|| wording::predicate(domain, predicate, words.fluent));
-            (unique(identifier(&predicate.name), &mut taken), text)
+            let text = given.unwrap_or_else(|| wording::predicate(domain, predicate, own.fluent));
+            (words.word(Declared::Predicate, index, &predicate.name), text)
         });
         let predicates = predicates.collect();
-        let functions = domain.functions.iter();
-        let functions = functions.map(|f| unique(identifier(&f.name), &mut taken)).collect();
-        let mut calls = BTreeMap::new();
-        let actions = domain.action_ids().map(|(id, action)| {
+        let functions = domain.functions.iter().enumerate();
+        let functions = functions.map(|(index, own)| words.word(Declared::Function, index, &own.name));
+        let functions = functions.collect();
+        let mut calls = Naming::default();
+        let actions = domain.action_ids().enumerate().map(|(index, (id, action))| {
             let given = blueprint.actions.get(&action.name).cloned();
             let says = given.unwrap_or_else(|| wording::action(domain, id));
-            (unique(identifier(&action.name), &mut calls), says)
+            (calls.word(Declared::Action, index, &action.name), says)
         });
         let actions = actions.collect();
+        words.renamed.append(&mut calls.renamed);
         Self {
             predicates,
             actions,
             functions,
+            renamed: words.renamed,
         }
     }
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::coverage::{self, Coverage, Gap, Role};
 use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, GoalFact, Group};
-use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
+use crate::plan::{self, ChoiceFile, OutlineLine, PlanFile, PurposeFile, Step, TaskCohesion};
 use crate::reading::Reading;
 use crate::repair::Edit;
 use crate::schedule::Compacted;
@@ -143,6 +143,15 @@ pub struct ChoiceAnswer {
     pub chosen: Vec<String>,
     /// The chosen goals for people.
     pub says: Vec<String>,
+}
+
+impl From<&ChoiceAnswer> for ChoiceFile {
+    fn from(choice: &ChoiceAnswer) -> Self {
+        Self {
+            goal: choice.goal.clone(),
+            chosen: choice.chosen.clone(),
+        }
+    }
 }
 
 /// The state of knowledge at the end of a search.
@@ -341,6 +350,7 @@ impl Answer {
                 endings: Vec::new(),
                 instruction_summary: summary.to_owned(),
                 question: question.to_owned(),
+                purpose: None,
             },
             steps: Vec::new(),
             goal: Vec::new(),
@@ -410,7 +420,17 @@ impl Answer {
             });
             answer.choices = choices.collect();
         }
+        answer.set_purpose(world);
         answer
+    }
+
+    /// Gives the plan file the purpose for which the plan was made.
+    fn set_purpose(&mut self, world: &World) {
+        self.plan.purpose = PurposeFile::new(world, &self.goal).map(|purpose| PurposeFile {
+            choices: self.choices.iter().map(ChoiceFile::from).collect(),
+            assumptions: self.assumptions.clone(),
+            ..purpose
+        });
     }
 
     /// Sets the goal and its groups.
@@ -423,6 +443,7 @@ impl Answer {
                 self.groups.push(group);
             }
         }
+        self.set_purpose(world);
     }
 
     /// Creates the answer for a plan that cannot be simulated because its steps cannot be resolved. `calls` are the

@@ -7,7 +7,7 @@ use super::feedback::feedback;
 use super::solution::reasons;
 use super::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::environment::{Claim, Voice, World};
-use crate::goal::Mentions;
+use crate::goal::{Goal, Mentions};
 use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Pins, RepairOutcome, Repaired, repair_pinned, why_unsolvable};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
@@ -25,6 +25,8 @@ pub struct Assessment<'a> {
     pub resolved: Resolved,
     /// The purpose that the plan states.
     pub purpose: Purpose,
+    /// The goal for which the plan was made, if it is known.
+    goal: Option<Goal>,
     /// Notes on lenient parsing and on ignored claims.
     notes: Vec<String>,
     /// Steps that a repair must keep.
@@ -85,10 +87,29 @@ impl<'a> Assessment<'a> {
             file,
             resolved,
             purpose,
+            goal: None,
             notes,
             pins: Pins::default(),
             simulation: OnceCell::new(),
             repair: OnceCell::new(),
+        }
+    }
+
+    /// Sets the goal for which the plan was made: it has to achieve it, in its order, and to keep its constraints.
+    #[must_use]
+    pub fn for_goal(self, goal: Goal) -> Self {
+        let purpose = goal.purpose(&self.world);
+        Self {
+            purpose: Purpose {
+                claim: self.purpose.claim,
+                step_claims: self.purpose.step_claims,
+                mentioned: self.purpose.mentioned,
+                ..purpose
+            },
+            goal: Some(goal),
+            simulation: OnceCell::new(),
+            repair: OnceCell::new(),
+            ..self
         }
     }
 
@@ -142,7 +163,7 @@ impl<'a> Assessment<'a> {
     /// Creates the answer for a simulated plan.
     fn answer(&self, report: &Report, open: &[Assumption]) -> Answer {
         let world = &*self.world;
-        let mut answer = Answer::of_report(world, report, None, &self.file.instruction_summary);
+        let mut answer = Answer::of_report(world, report, self.goal.as_ref(), &self.file.instruction_summary);
         answer.assumptions.extend(open.iter().map(|a| a.message(world)));
         let claim = self.purpose.claim.as_ref();
         answer.claims = claim.map_or_else(Claims::default, |claim| {
@@ -214,7 +235,7 @@ impl<'a> Assessment<'a> {
             RepairOutcome::ProvenUnsolvable { .. } => {
                 answer.status = Status::Unsolvable;
                 let why = why_unsolvable(world, &self.resolved, &self.purpose);
-                answer.notes.extend(reasons(world, None, &why));
+                answer.notes.extend(reasons(world, self.goal.as_ref(), &why));
             }
             RepairOutcome::GaveUp { why, .. } => {
                 answer.status = Status::GaveUp;

@@ -110,20 +110,23 @@ fn not_proven(steps: u32, at_least: u32, states: usize) -> String {
     format!("a shorter plan{known} may exist: none was found in {states} states")
 }
 
+/// Maximum number of rules that a sentence names.
+const RULES: usize = 10;
+
 /// Writes the reasons why there is no plan as sentences.
 pub(super) fn reasons(world: &World, goal: Option<&Goal>, why: &WhyNot) -> Vec<String> {
     let mut reasons = Vec::new();
     match &why.prohibitions[..] {
         [] => {}
         [one] => reasons.push(format!("`{one}` prevents it: there is a plan without this rule")),
-        several => reasons.push(format!(
-            "these rules prevent it: {}",
-            several
-                .iter()
-                .map(|rule| format!("`{rule}`"))
-                .collect::<Vec<_>>()
-                .join(", ")
-        )),
+        several => {
+            let named = several.iter().take(RULES).map(|rule| format!("`{rule}`"));
+            let mut named: Vec<String> = named.collect();
+            if several.len() > RULES {
+                named.push(format!("and {} more", several.len() - RULES));
+            }
+            reasons.push(format!("these rules prevent it: {}", named.join(", ")));
+        }
     }
     if why.order {
         reasons.push("all goals can be reached, but not in this order".to_owned());

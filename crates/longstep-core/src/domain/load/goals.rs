@@ -4,8 +4,23 @@ use indexmap::IndexMap;
 use toml::Spanned;
 
 use super::*;
+use crate::call::is_goal_keyword;
 
 impl Loader<'_> {
+    pub(super) fn report_with_hint<T>(&mut self, place: &Spanned<T>, message: String, hint: String) {
+        let position = content_position(self.text, place);
+        self.findings
+            .push(Diagnostic::at(self.file, position, message).hint(hint));
+    }
+
+    /// Reports a word of a goal, a state or a number that the goal language reserves.
+    pub(super) fn check_goal_keyword(&mut self, place: &Spanned<String>, word: &str) {
+        if is_goal_keyword(word) {
+            let message = format!("`{word}` is a word of the goal language");
+            self.report_with_hint(place, message, format!("write `is_{word}`"));
+        }
+    }
+
     pub(super) fn rule(&mut self, entry: &words::RuleEntry, goal_words: &[GoalWord]) -> Rule {
         let mut condition = self.condition(&entry.condition, &[]);
         let mut variables = Vec::new();
@@ -99,6 +114,7 @@ impl Loader<'_> {
         if word.is_empty() || !text.ends_with(')') {
             self.report(&entry.form, "a goal is written as `word({parameter}, ...)`");
         }
+        self.check_goal_keyword(&entry.form, &word);
         Some(GoalWord {
             word,
             form,
@@ -177,6 +193,36 @@ mod tests {
         files.words = files.words.replacen(from, to, 1);
         let findings = load(&files).map(drop).unwrap_err().to_string();
         assert!(findings.contains(expected), "{from} -> {to}\n{findings}");
+    }
+
+    #[test]
+    fn words_that_a_notation_reserves_are_refused_at_their_place() {
+        check(
+            r#"form = "opened("#,
+            r#"form = "untouched("#,
+            "`untouched` is a word of the goal language\n  hint: write `is_untouched`",
+        );
+        check(
+            r#"word = "closed()""#,
+            r#"word = "never()""#,
+            "`never` is a word of the goal language",
+        );
+        check(
+            r#"call = "grasp_object("#,
+            r#"call = "while("#,
+            "`while` is a word of the notation of plans\n  hint: write `do_while`",
+        );
+    }
+
+    #[test]
+    fn sentences_lose_their_full_stop() {
+        let mut files = shipped_files("household").unwrap();
+        files.words = files
+            .words
+            .replacen("says = \"grasp {item}\"", "says = \"Grasp {item}.\"", 1);
+        let domain = load(&files).unwrap();
+        let grasp = domain.actions.iter().find(|action| action.name == "grasp").unwrap();
+        assert_eq!(grasp.says.fill(|_| "the cup".to_owned()), "Grasp the cup");
     }
 
     #[test]

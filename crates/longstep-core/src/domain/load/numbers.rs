@@ -4,6 +4,7 @@ use toml::Spanned;
 
 use super::super::bare::{is_changed, plain_function};
 use super::*;
+use crate::call::is_goal_keyword;
 use crate::model::{Application, Arithmetic, Comparison, Function, FunctionId, Number, NumberTest, Term};
 
 impl Loader<'_> {
@@ -27,6 +28,16 @@ impl Loader<'_> {
             let named = |entry: &&words::NumberEntry| *entry.name.get_ref() == declared.name;
             if let Some(entry) = entries.iter().find(named) {
                 self.function(entry, &mut function);
+            }
+            if is_goal_keyword(&function.word) {
+                let message = format!(
+                    "the word `{}` of a number is a word of the goal language",
+                    function.word
+                );
+                let hint = format!("give `{}` another `word` in domain.toml", function.name);
+                let position = semantics.function_positions[index];
+                self.findings
+                    .push(Diagnostic::at(self.pddl_file, position, message).hint(hint));
             }
             if let Some(other) = functions.iter().find(|other| other.word == function.word) {
                 let message = format!("the word `{}` stands for `{}`, too", function.word, other.name);
@@ -98,9 +109,10 @@ pub(super) fn with_ranges(mut rules: Vec<Rule>, functions: &[Function]) -> Vec<R
             Arithmetic::Value(Application {
                 function: FunctionId::new(index),
                 terms: (0..function.parameters.len()).map(Term::Variable).collect(),
+                initially: false,
             })
         };
-        let is = |test: NumberTest<Application>| Condition::Number { test, initially: false };
+        let is = Condition::Number;
         let bound = |comparison: Comparison| {
             move |number: Number| is(NumberTest::Compare(value(), comparison, Arithmetic::Constant(number)))
         };

@@ -59,10 +59,9 @@ impl Reader<'_> {
             {
                 let sides = (self.number(left, scope, names), self.number(right, scope, names));
                 match (sides, Comparison::of(symbol)) {
-                    ((Some(left), Some(right)), Some(comparison)) => Condition::Number {
-                        test: NumberTest::Compare(left, comparison, right),
-                        initially: false,
-                    },
+                    ((Some(left), Some(right)), Some(comparison)) => {
+                        Condition::Number(NumberTest::Compare(left, comparison, right))
+                    }
                     _ => Condition::TRUE,
                 }
             }

@@ -250,10 +250,7 @@ impl Reader<'_> {
         required.extend(
             cost.iter()
                 .filter(|cost| !matches!(cost, Arithmetic::Constant(_)))
-                .map(|cost| Condition::Number {
-                    test: NumberTest::Known(cost.clone(), true),
-                    initially: false,
-                }),
+                .map(|cost| Condition::Number(NumberTest::Known(cost.clone(), true))),
         );
         if !required.is_empty() {
             precondition = Condition::And(std::iter::once(precondition).chain(required).collect());

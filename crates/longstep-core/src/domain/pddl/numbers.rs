@@ -119,6 +119,7 @@ impl Reader<'_> {
         Some(Application {
             function: FunctionId::new(index),
             terms,
+            initially: false,
         })
     }
 

@@ -10,7 +10,7 @@ use super::unreadable::Unreadable;
 use crate::diagnostic::Position;
 use crate::json::Path;
 use crate::model::{Environment, Words};
-use crate::plan::{EndingFile, PlanFile, TaskCohesion, TreeError, read_tree, script};
+use crate::plan::{ChoiceFile, EndingFile, PlanFile, PurposeFile, TaskCohesion, TreeError, read_tree, script};
 
 type Shaped<T> = Result<T, Unreadable>;
 
@@ -77,7 +77,7 @@ pub(super) fn plan(text: &str, node: &ValueNode, notes: &mut Notes) -> Shaped<Pl
     }
 }
 
-const PLAN_KEYS: [&str; 7] = [
+const PLAN_KEYS: [&str; 8] = [
     "task_cohesion",
     "python_script",
     "environment_before",
@@ -85,6 +85,7 @@ const PLAN_KEYS: [&str; 7] = [
     "endings",
     "instruction_summary",
     "question",
+    "purpose",
 ];
 const COHESION_KEYS: [&str; 5] = [
     "task_sequence",
@@ -168,7 +169,34 @@ impl Shape<'_, '_> {
                 .field(&fields, "instruction_summary", Self::text)?
                 .unwrap_or_default(),
             question,
+            purpose: self.field(&fields, "purpose", Self::purpose)?,
         })
+    }
+
+    fn purpose(&mut self, node: &ValueNode, path: &Path) -> Shaped<PurposeFile> {
+        let fields = self.fields(node, path, &["goal", "rules", "choices", "assumptions"])?;
+        Ok(PurposeFile {
+            goal: self.field(&fields, "goal", Self::text)?,
+            rules: self.field(&fields, "rules", Self::texts)?.unwrap_or_default(),
+            choices: self.field(&fields, "choices", Self::choices)?.unwrap_or_default(),
+            assumptions: self.field(&fields, "assumptions", Self::texts)?.unwrap_or_default(),
+        })
+    }
+
+    fn choices(&mut self, node: &ValueNode, path: &Path) -> Shaped<Vec<ChoiceFile>> {
+        let Literal::List(items) = &node.value else {
+            return Err(self.wrong(node, path, "a list of choices"));
+        };
+        let choice = |(index, item): (usize, &ValueNode)| {
+            let fields = self.fields(item, &path.index(index), &["goal", "chosen"])?;
+            let goal = self.field(&fields, "goal", Self::text)?;
+            let chosen = self.field(&fields, "chosen", Self::texts)?;
+            Ok(ChoiceFile {
+                goal: self.required(goal, &fields, "goal", "a goal", false)?,
+                chosen: self.required(chosen, &fields, "chosen", "a list of goals", false)?,
+            })
+        };
+        items.iter().enumerate().map(choice).collect()
     }
 
     fn endings(&mut self, node: &ValueNode, path: &Path) -> Shaped<Vec<EndingFile>> {

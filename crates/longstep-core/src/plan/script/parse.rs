@@ -5,12 +5,12 @@ mod foreign;
 mod lanes;
 
 use super::super::tree::DEEPEST;
-use super::super::written::{Written, WrittenNode, WrittenStep, is_argument, is_reserved};
+use super::super::written::{Written, WrittenNode, WrittenStep, is_argument};
 use super::super::{Node, StepId};
 use super::token::{Kind, Token};
 use super::write::OBJECTS;
 use super::{Fault, fault};
-use crate::call::Call;
+use crate::call::{Call, is_script_keyword};
 
 /// Allowed statements, for hints.
 const STATEMENTS: &str = "a plan has calls such as `grasp(\"<cup>\")`, `if`, `while`, `for _ in range(N)`, \
@@ -217,7 +217,10 @@ impl<'t> Parser<'t> {
     /// Parses a call with its arguments; comments between them become its explanation.
     fn call(&mut self) -> Result<WrittenStep, Fault> {
         let start = self.at();
-        let Some(name) = self.word().filter(|name| !is_reserved(name) && !name.starts_with('<')) else {
+        let Some(name) = self
+            .word()
+            .filter(|name| !is_script_keyword(name) && !name.starts_with('<'))
+        else {
             return match self.word() {
                 Some("lane") => self.fail("this is a lane outside of `with parallel():`", "put it into one"),
                 Some("sync") => self.fail("only lanes wait for each other", "put it into a `with lane(...):`"),
@@ -270,7 +273,7 @@ impl<'t> Parser<'t> {
         if let (Some(name), Some(Kind::Sign("="))) = (self.word(), following) {
             self.next += 2;
             let name = match name.strip_suffix('_') {
-                Some(kept) if is_reserved(kept.trim_end_matches('_')) => kept,
+                Some(kept) if is_script_keyword(kept.trim_end_matches('_')) => kept,
                 _ => name,
             };
             if name.starts_with('<') || step.implicit.iter().any(|(before, _)| before == name) {
@@ -303,7 +306,7 @@ impl<'t> Parser<'t> {
         let value = match self.peek() {
             Kind::Text(text) => text.clone(),
             Kind::Number(digits) => (*digits).to_owned(),
-            Kind::Name(name) if !is_reserved(name) => {
+            Kind::Name(name) if !is_script_keyword(name) => {
                 let following = self.tokens.get(self.next + 1).map(|token| &token.kind);
                 if let (1, Some(Kind::Text(_))) = (name.chars().count(), following) {
                     return self.fail(
@@ -406,7 +409,7 @@ impl<'t> Parser<'t> {
     fn range(&mut self) -> Result<u32, Fault> {
         const HINT: &str = "a loop that counts is written `for _ in range(3):`";
         self.next += 1;
-        let named = self.word().is_some_and(|word| !is_reserved(word));
+        let named = self.word().is_some_and(|word| !is_script_keyword(word));
         self.next += usize::from(named);
         if !named || !self.take_word("in") || !self.take_word("range") || !self.take(&Kind::Sign("(")) {
             return self.fail("no plan has a loop like this", HINT);

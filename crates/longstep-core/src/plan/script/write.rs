@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::super::written::{Written, WrittenNode, WrittenStep, is_reserved};
+use super::super::written::{Written, WrittenNode, WrittenStep};
 use super::super::{LaneItem, Node, Test};
+use crate::call::is_script_keyword;
 use crate::visible;
 
 /// Writes a plan as a script; [`super::read`] returns an equal plan.
@@ -241,7 +242,7 @@ fn quoted(text: &str) -> String {
 
 /// Returns a parameter's name before `=`; names that are reserved in Python get an additional underscore.
 fn keyword(name: &str) -> String {
-    match is_reserved(name.trim_end_matches('_')) {
+    match is_script_keyword(name.trim_end_matches('_')) {
         true => format!("{name}_"),
         false => name.to_owned(),
     }

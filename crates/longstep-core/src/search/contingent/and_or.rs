@@ -17,7 +17,8 @@ use crate::effort;
 use crate::search::GroundAction;
 use crate::search::bits::Bits;
 use crate::search::dominance::Dominance;
-use crate::search::node::{SearchNode, after, path, start, successor};
+use crate::search::node::{SearchNode, after, path, start};
+use crate::search::successor::Successors;
 use crate::search::task::Task;
 
 /// Maximum nesting depth of sensing.
@@ -51,6 +52,7 @@ pub(super) struct Manner {
 
 pub(super) struct Search<'a> {
     task: &'a Task,
+    successors: Successors<'a>,
     bounds: Bounds,
     manner: Manner,
     /// By sensing step: the operators of its outcomes.
@@ -114,6 +116,7 @@ impl<'a> Search<'a> {
         }
         Self {
             task,
+            successors: Successors::new(task),
             bounds: Bounds::new(task, manner.looping),
             manner,
             looks: looks.into_values().collect(),
@@ -304,10 +307,10 @@ impl<'a> Search<'a> {
             if !operator.precondition.holds(&|literal| node.state.is(literal)) {
                 continue;
             }
-            if !effort::spend(1 + task.initial.len() / 256) {
-                return;
-            }
-            let Some(next) = successor(task, &node.state, operator) else {
+            let Some(next) = self.successors.of(&node.state, operator) else {
+                if effort::is_exhausted() {
+                    return;
+                }
                 continue;
             };
             let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));

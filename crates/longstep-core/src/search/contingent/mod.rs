@@ -62,7 +62,7 @@ pub(super) fn solve(world: &World, target: &Target, limits: &Limits) -> Outcome 
 }
 
 fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
-    let requirements = Requirements::of(world, target.all());
+    let requirements = Requirements::of(world, &target.wanted, &target.stages);
     let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
     let scope = match whole.is_bearable(world) {

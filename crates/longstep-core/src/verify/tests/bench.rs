@@ -71,7 +71,7 @@ says = "press {lamp} again"
 means = "Put it out."
 [[action]]
 name = "pass"
-call = "pass(hand, lamp, other)"
+call = "pass_on(hand, lamp, other)"
 actor = "?hand"
 says = "pass the light of {lamp} on to {other}"
 means = "Pass the light on."

@@ -2,10 +2,11 @@
 
 use super::super::super::Test;
 use super::super::super::tree::DEEPEST;
-use super::super::super::written::{WrittenNode, WrittenStep, is_reserved};
+use super::super::super::written::{WrittenNode, WrittenStep};
 use super::super::token::Kind;
 use super::super::{Fault, fault};
 use super::{Parser, join};
+use crate::call::is_script_keyword;
 
 /// Maximum nesting depth of parentheses and `not`; plans within [`DEEPEST`] need less.
 const DEEPEST_CONDITION: usize = 4 * DEEPEST;
@@ -103,7 +104,7 @@ impl Parser<'_> {
                 "a condition asks with calls, as in `if check_date():` or `if not on(\"<cup>\", \"<table>\"):`";
             match self.peek() {
                 Kind::Name("True" | "False" | "None") => return self.fail("this is decided already", HINT),
-                Kind::Name(word) if !is_reserved(word) => {}
+                Kind::Name(word) if !is_script_keyword(word) => {}
                 _ => return self.unexpected("a call is missing here", HINT),
             }
             let call = self.call()?;
