@@ -27,6 +27,25 @@ fn solve(domain: &str, environment: &Value, text: String) -> Work {
     })
 }
 
+/// Solves a goal under the rules of a file, one a line.
+fn under_rules(environment: &Value, goal: &str, rules: String) -> Work {
+    assert!(rules.len() <= LARGEST, "rules of {} bytes", rules.len());
+    let (domain, goal) = (shipped("household"), goal.to_owned());
+    let world = world_of(&domain, environment);
+    Box::new(move || {
+        let rules = rules
+            .lines()
+            .filter_map(|line| goal::rules(&world, line).ok())
+            .flatten();
+        let world = world.with_prohibitions(rules);
+        let Ok(wanted) = goal::parse(&world, &goal) else {
+            return false;
+        };
+        let found = report::of_goal(&world, &wanted, &goal, &longstep::Limits::default(), || 0.0);
+        found.answer.status == Status::Verified
+    })
+}
+
 fn instruct(domain: &str, environment: &Value, text: String) -> Work {
     let domain = shipped(domain);
     let world = world_of(&domain, environment);
@@ -56,6 +75,31 @@ fn joined(count: usize, goal: fn(usize) -> String) -> String {
 
 pub(crate) fn rows() -> Vec<Row> {
     vec![
+        Row {
+            name: "solve/rules-repeated",
+            // With a search for each of them to say which prevents the plan, it was 90 million.
+            ceiling: 10_000_000,
+            make: || {
+                let rules = (0..600).map(|n| format!("never put(<o{}>, any thing)\n", n % 4));
+                under_rules(&many(4, 4), "put(<o0>, <p1>)", rules.collect())
+            },
+        },
+        Row {
+            name: "solve/rules-many",
+            ceiling: SOLVING,
+            make: || {
+                let rules = (0..500).map(|n| format!("never put(<o{}>, <p{}>)\n", n % 20, n / 20 + 2));
+                under_rules(&many(30, 20), "put(<o0>, <p1>) & put(<o1>, <p1>)", rules.collect())
+            },
+        },
+        Row {
+            name: "solve/rules-counts",
+            ceiling: SOLVING,
+            make: || {
+                let rules = (0..200).map(|n| format!("never put(exactly {} of thing, any thing)\n", n % 7 + 1));
+                under_rules(&many(5, 10), "put(<o0>, <p1>) & put(<o1>, <p2>)", rules.collect())
+            },
+        },
         Row {
             name: "solve/conditional",
             ceiling: SOLVING,
