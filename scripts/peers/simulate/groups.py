@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from random import Random
 
 from .render import written
-from .world import World, join, negate, stem
+from .world import World, complement, join, stem
 
 ANYTHING = ("thing", "object")
 
@@ -93,7 +93,7 @@ def counted(group: Group, parts: list):
     for chosen in itertools.combinations(range(len(parts)), group.number):
         way = [parts[number] for number in chosen]
         if group.quantifier == "exactly":
-            way += [negate(parts[number]) for number in range(len(parts)) if number not in chosen]
+            way += [complement(parts[number]) for number in range(len(parts)) if number not in chosen]
         ways.append(join("and", way))
     return join("or", ways)
 

@@ -51,6 +51,8 @@ def value(expression: tuple, numbers) -> int | None | object:
     head = expression[0]
     if head == "number":
         return expression[1]
+    if head == "unknown":
+        return None
     if head == "fluent":
         return numbers.get(expression[1])
     left, right = value(expression[1], numbers), value(expression[2], numbers)
@@ -65,6 +67,13 @@ def value(expression: tuple, numbers) -> int | None | object:
     else:
         result = nearest(Fraction(left * right, MILLION) if head == "*" else Fraction(left * MILLION, right))
     return result if abs(result) <= MOST else None
+
+
+def with_values(comparison: tuple, numbers) -> tuple:
+    """A comparison with the values of its numbers in place of them."""
+    sign, *sides = comparison
+    values = [value(side, numbers) for side in sides]
+    return (sign, *(("unknown",) if own is None else ("number", own) for own in values))
 
 
 def decide(head: str, comparison: tuple, numbers) -> bool | None:
@@ -89,6 +98,6 @@ def in_range(limits: tuple, numbers) -> bool | None:
 
 def fluents(expression: tuple) -> set[tuple]:
     """The numbers that an expression reads."""
-    if expression[0] == "number":
+    if expression[0] in ("number", "unknown"):
         return set()
     return {expression[1]} if expression[0] == "fluent" else fluents(expression[1]) | fluents(expression[2])

@@ -6,7 +6,7 @@ goal of an earlier stage has to hold at the end (`kept`), and whether one of a l
 
 from .groups import Choice
 from .search import LIMIT, OVER, UNSOLVABLE, Compiler, at_end
-from .world import GroundAction, World, holds, join, negate
+from .world import GroundAction, World, complement, holds, join
 
 
 def bound(world: World, form: str | Choice, arguments: tuple[str, ...]):
@@ -49,7 +49,7 @@ def constraints(world: World, case) -> tuple[list, set[str]]:
             conditions.append(unchanged(world, subject))
         else:
             condition = bound(world, *subject)
-            conditions.append(condition if word == "always" else negate(condition))
+            conditions.append(condition if word == "always" else complement(condition))
     return conditions, untouched
 
 

@@ -67,6 +67,7 @@ class Goal:
     condition: tuple
     offered: tuple | None
     subject: int | None
+    group: str | None = None
 
     def about(self, arguments: tuple[str, ...]) -> tuple[str, ...]:
         """The arguments for which the goal sets rules aside: its subject, or all of them."""
@@ -186,7 +187,7 @@ def read(domain_text: str, words_text: str) -> Words:
         offered = condition(entry["offered"]) if "offered" in entry else None
         names = [name for name, _ in parameters]
         subject = names.index(entry["subject"]) if entry.get("subject") in names else None
-        goals[entry["form"]] = Goal(entry["form"], parameters, condition(entry["condition"]), offered, subject)
+        goals[entry["form"]] = Goal(entry["form"], parameters, condition(entry["condition"]), offered, subject, entry.get("exclusive"))
     predicates = toml.get("predicate", [])
     defaults = [(literal(entry["fact"]), condition(entry.get("when", "(and)"))) for entry in toml.get("default", [])]
     words = Words(

@@ -4,13 +4,14 @@ import itertools
 import re
 from dataclasses import dataclass
 
-from .numbers import decide, in_range
+from .numbers import decide, in_range, with_values
 from .words import Words, split_call
 
 # A ground condition is True, False, or a tuple: ("is", fact) ("not", fact) ("and", [..]) ("or", [..]).
 # A fact is a tuple of the predicate and its arguments; a state is a frozenset of facts.
 
 # Conditions on numbers are ("compares", (sign, expression, expression)), its opposite "fails", and ("range", ..).
+# ("misses", condition) is the complement of one on numbers.
 OPPOSITES = {"is": "not", "not": "is", "compares": "fails", "fails": "compares"}
 
 # Semantics that are wrong on purpose. The self-test switches each on and expects the comparison to find it.
@@ -54,6 +55,16 @@ def negate(ground):
     return ("or" if head == "and" else "and", [negate(part) for part in rest])
 
 
+def complement(ground):
+    """What holds exactly where a ground condition does not: also where a comparison fails for want of a number."""
+    if ground is True or ground is False:
+        return not ground
+    head, rest = ground
+    if head in ("and", "or"):
+        return join("or" if head == "and" else "and", [complement(part) for part in rest])
+    return (OPPOSITES[head], rest) if head in ("is", "not") else ("misses", ground)
+
+
 def join(head: str, parts: list):
     """`and` or `or` of ground conditions, simplified."""
     deciding = head == "or"
@@ -81,12 +92,24 @@ def holds(ground, state: frozenset) -> bool:
         return all(holds(part, state) for part in rest)
     if head == "or":
         return any(holds(part, state) for part in rest)
+    if head == "misses":
+        return not holds(rest, state)
     return in_range(rest, state.numbers) if head == "range" else decide(head, rest, state.numbers)
 
 
 def stem(entity: str) -> str:
     """An identifier without its number."""
     return re.sub(r"_\d+$", "", entity)
+
+
+def settled(ground, state: frozenset):
+    """A ground condition that is looked at in one state, in whatever state it stands; a comparison keeps its numbers for its negation."""
+    if ground is True or ground is False:
+        return ground
+    head, rest = ground
+    if head in ("and", "or"):
+        return join(head, [settled(part, state) for part in rest])
+    return (head, with_values(rest, state.numbers)) if head in ("compares", "fails") else holds(ground, state)
 
 
 def named(entity: str, names: list[str]) -> bool:
@@ -228,7 +251,7 @@ class World:
         if head == "initially":
             if "initially-now" in self.faults:
                 return self.ground(condition[1], binding, fixed)
-            return self.truth(condition[1], binding, self.initial)
+            return settled(self.ground(condition[1], binding, fixed=False), self.initial)
         if head == "=":
             if "equality" in self.faults:
                 return False

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::call::{Call, is_script_keyword};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
-use crate::model::{phrase, unified};
+use crate::model::{When, phrase, unified};
 
 /// Loads a domain from its files.
 ///
@@ -170,7 +170,7 @@ impl Loader<'_> {
             Condition::Atom {
                 atom,
                 holds,
-                initially: false,
+                at: When::Now,
             } => Some(Literal { atom, holds }),
             // Unreadable text was reported before.
             Condition::And(empty) if empty.is_empty() => None,

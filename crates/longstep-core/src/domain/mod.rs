@@ -19,8 +19,8 @@ pub use crate::model::{
     Action, ActionId, Application, Arithmetic, Atom, Comparison, Condition, DefaultFact, Derivation, Domain,
     DomainData, Effect, EnvironmentTypes, FormPiece, Function, FunctionId, GoalWord, GoalWordId, Lexicon, Literal,
     NumberTest, NumericEffect, NumericExpression, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
-    RepairCosts, Rule, RuleTime, Slot, SpatialRelation, StateWord, Template, Term, TypeId, Types, Unknown, base_name,
-    ends_with, head, label, matches_name, phrase, plain_words, singular, stem,
+    RepairCosts, Rule, RuleTime, Slot, SpatialRelation, StateWord, Template, Term, TypeId, Types, Unknown, When,
+    base_name, ends_with, head, label, matches_name, phrase, plain_words, singular, stem,
 };
 pub use crate::model::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use bare::{DeclarationPositions, declaration_positions, from_pddl};

@@ -8,7 +8,7 @@ use super::statement::{Statement, fact_alone, is_stated, number_of, statement};
 use super::{EntityId, Fact, Fluent, Number, State, Words, World, fact_of};
 use crate::call::Call;
 use crate::model::{
-    Atom, Bindings, Condition, Domain, PredicateId, Rule, RuleTime, StateVariable, broken_bindings, entries_of,
+    Atom, Bindings, Condition, Domain, PredicateId, Rule, RuleTime, StateVariable, When, broken_bindings, entries_of,
     entry_of_number, ground, state_word, subject_of,
 };
 
@@ -236,6 +236,28 @@ impl Observation {
         }
     }
 
+    /// Returns what this observation and a newer one show together; the newer one decides what both show.
+    #[must_use]
+    pub(crate) fn updated(self, world: &World, newer: Self) -> Self {
+        let mut both = newer.clone();
+        both.facts
+            .extend(self.facts.into_iter().filter(|fact| !newer.decides(world, *fact)));
+        let numbers = self.numbers.into_iter();
+        let older: Vec<(Fluent, Number)> = numbers.filter(|(own, _)| newer.number(*own).is_none()).collect();
+        both.numbers = older.into_iter().chain(newer.numbers).collect();
+        both.seen.extend(self.seen);
+        both.complete.extend(self.complete);
+        both.unknown.extend(self.unknown);
+        both.seen.sort_unstable();
+        both.seen.dedup();
+        both.complete.sort_unstable();
+        both.complete.dedup();
+        both.unknown.sort_unstable();
+        both.unknown.dedup();
+        both.lists_facts |= self.lists_facts;
+        both
+    }
+
     /// The entities that the observation lists, sorted.
     pub(crate) fn entities(&self) -> &[EntityId] {
         &self.seen
@@ -387,7 +409,7 @@ fn denied<'a>(condition: &'a Condition, atoms: &mut Vec<&'a Atom>) {
         Condition::Atom {
             atom,
             holds: false,
-            initially: false,
+            at: When::Now,
         } => atoms.push(atom),
         _ => condition.parts().iter().for_each(|part| denied(part, atoms)),
     }

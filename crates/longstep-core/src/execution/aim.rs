@@ -3,7 +3,7 @@
 use crate::goal::{self, Goal, GoalError};
 use crate::model::{
     Application, Arithmetic, Atom, Comparison, Condition, Domain, Ending, Fact, Fluent, Number, NumberTest,
-    PredicateId, Prohibition, State, Term, Wanted, World, state_word,
+    PredicateId, Prohibition, State, Term, Wanted, When, World, state_word,
 };
 use crate::verify::{Purpose, VerifiedPlan, Waiver, broken_at_end};
 
@@ -111,7 +111,7 @@ fn is_number(domain: &Domain, fluent: Fluent, number: Number) -> Condition {
     let application = Application {
         function: fluent.function(),
         terms: domain.arguments_of(fluent).map(Term::Constant).collect(),
-        initially: false,
+        at: When::Now,
     };
     Condition::Number(NumberTest::Compare(
         Arithmetic::Value(application),
@@ -127,7 +127,7 @@ fn literal(domain: &Domain, fact: Fact, holds: bool) -> Condition {
             terms: domain.arguments(fact).map(Term::Constant).collect(),
         },
         holds,
-        initially: false,
+        at: When::Now,
     }
 }
 

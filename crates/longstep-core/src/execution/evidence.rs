@@ -1,6 +1,7 @@
 //! Evidence: the facts that the stages and the end of the purpose rest on, and the looks, questions and stops for those
 //! that were not observed.
 
+use super::monitor::Completed;
 use super::{Approval, Basis, Event, Execution, ExecutionError, Need, Phase, Stop, Trust, Unseen};
 use crate::effort;
 use crate::environment::Observation;
@@ -83,16 +84,41 @@ impl Execution {
         if self.purpose.stages.is_empty() {
             return;
         }
-        let (world, purpose) = (&self.world, &self.purpose);
-        let state = self.cursor.state();
-        let mut progress = self.base.clone();
-        for step in self.recent.iter().filter(|step| !step.refuted) {
-            let action = world.domain().action(step.action.action);
-            progress.step(world, purpose, (&step.before, state), action, &step.action.arguments);
-        }
+        let mut progress = self.with_events(|step| !step.refuted);
         let weight = |variable| u32::from(self.is_unproven(variable));
-        self.unproven = progress.confirm(world, purpose, state, &weight);
+        self.unproven = progress.confirm(&self.world, &self.purpose, self.cursor.state(), &weight);
         self.progress = progress;
+        for step in self.recent.iter_mut().filter(|step| !step.refuted) {
+            step.counted = true;
+        }
+    }
+
+    /// Returns the progress with the events of the recent steps that it lacks, as far as they count.
+    fn with_events(&self, counts: impl Fn(&Completed) -> bool) -> Progress {
+        let mut progress = self.progress.clone();
+        let state = self.cursor.state();
+        for step in self.recent.iter().filter(|step| !step.counted && counts(step)) {
+            let action = self.world.domain().action(step.action.action);
+            let states = (&step.before, state);
+            progress.step(&self.world, &self.purpose, states, action, &step.action.arguments);
+        }
+        progress
+    }
+
+    /// Takes back the progress since the `recent` steps.
+    pub(super) fn take_back_recent(&mut self) {
+        self.progress = self.base.clone();
+        for step in &mut self.recent {
+            step.counted = false;
+        }
+    }
+
+    /// Keeps the progress, before another order that ends: what comes is seen in other states.
+    pub(super) fn keep_progress(&mut self) {
+        if std::mem::take(&mut self.seen_recent) {
+            self.recent.clear();
+            self.base = self.progress.clone();
+        }
     }
 
     /// Returns true if a step that was performed would achieve a condition of a stage, if it had its effects.
@@ -100,15 +126,9 @@ impl Execution {
         if self.purpose.stages.is_empty() {
             return false;
         }
-        let mut promised = self.progress.clone();
-        let state = self.cursor.state();
-        for step in &self.recent {
-            let action = self.world.domain().action(step.action.action);
-            let states = (&step.before, state);
-            promised.step(&self.world, &self.purpose, states, action, &step.action.arguments);
-        }
+        let mut promised = self.with_events(|_| true);
         let events_only = promised.clone();
-        promised.advance(&self.world, &self.purpose, state);
+        promised.advance(&self.world, &self.purpose, self.cursor.state());
         promised != events_only
     }
 
@@ -160,6 +180,7 @@ impl Execution {
         };
         if let Some(place) = self.trusted.iter().position(refuted) {
             self.base = self.trusted[place].before.clone();
+            self.progress = self.base.clone();
             self.trusted.truncate(place);
             self.recent.clear();
         }

@@ -250,7 +250,7 @@ impl Knowledge {
 }
 
 impl<T> Pattern<T> {
-    /// Returns true if these terms can be these arguments: quantified variables are any entity of their type.
+    /// Returns true if these terms can be these arguments: a quantified variable is one entity of its type.
     fn fits(&self, world: &World, terms: &[Term], argument: impl Fn(usize) -> EntityId) -> bool {
         terms.iter().enumerate().all(|(place, term)| match term {
             Term::Constant(entity) => *entity == argument(place),
@@ -258,7 +258,9 @@ impl<T> Pattern<T> {
                 Some(entity) => *entity == argument(place),
                 None => {
                     let mut kinds = self.forall.iter().filter(|(own, _)| own == slot);
-                    kinds.all(|(_, kind)| world.is_of_kind(argument(place), *kind))
+                    let first = terms.iter().position(|own| own == term).unwrap_or(place);
+                    argument(first) == argument(place)
+                        && kinds.all(|(_, kind)| world.is_of_kind(argument(place), *kind))
                 }
             },
         })

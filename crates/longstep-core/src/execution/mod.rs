@@ -107,6 +107,8 @@ pub struct Execution {
     recent: Vec<Completed>,
     /// True if the world was observed after the last completed step.
     seen_recent: bool,
+    /// A look before an interruption, after which a person was asked and did not answer.
+    earlier_look: Option<Observation>,
     knowledge: Knowledge,
     looks: Looks,
     /// The progress through the stages that was observed before the `recent` steps.
@@ -193,6 +195,7 @@ impl Execution {
             since: Vec::new(),
             recent: Vec::new(),
             seen_recent: false,
+            earlier_look: None,
             knowledge: Knowledge::default(),
             looks: Looks::default(),
             base: Progress::default(),
@@ -281,12 +284,16 @@ impl Execution {
 
     /// Returns the environment with an observation that waits for a person's answer.
     fn environment_seen(&self) -> Environment {
-        match &self.phase {
-            Phase::Judging(observation) => {
+        let pending = match &self.phase {
+            Phase::Judging(observation) => Some(self.with_earlier_look(observation.clone())),
+            _ => self.earlier_look.clone(),
+        };
+        match pending {
+            Some(observation) => {
                 let state = observation.revised(&self.world, self.state());
                 self.world.after_state(&state).environment().clone()
             }
-            _ => self.environment(),
+            None => self.environment(),
         }
     }
 

@@ -52,6 +52,8 @@ pub(super) struct Completed {
     pub(super) changes: Changes,
     /// True if an observation shows that one of them did not come about.
     pub(super) refuted: bool,
+    /// True if its events are part of the progress through the stages.
+    pub(super) counted: bool,
 }
 
 impl Completed {
@@ -92,6 +94,8 @@ impl Execution {
         self.knowledge
             .observed(observation, self.orders, &self.world, &self.running);
         self.looks.add(observation);
+        let observation = &self.with_earlier_look(observation.clone());
+        self.earlier_look = None;
         let masked = self.under_change();
         let mut seen = observation.revised_but(&self.world, self.state(), &masked);
         for event in self.refuted_events(observation, &masked) {
@@ -120,6 +124,14 @@ impl Execution {
         }
     }
 
+    /// Returns an observation together with a look of which the believed state knows nothing yet.
+    pub(super) fn with_earlier_look(&self, observation: Observation) -> Observation {
+        match self.earlier_look.clone() {
+            Some(earlier) => earlier.updated(&self.world, observation),
+            None => observation,
+        }
+    }
+
     /// Returns the facts and numbers that the orders under way may be changing at this moment.
     fn under_change(&self) -> FxHashSet<StateVariable> {
         let mut all = FxHashSet::default();
@@ -137,8 +149,9 @@ impl Execution {
 
     /// Marks the steps of which an observation shows that an effect did not come about; returns the events of these steps.
     fn refuted_events(&mut self, observation: &Observation, masked: &FxHashSet<StateVariable>) -> Vec<Fact> {
-        let (world, mut events) = (&self.world, Vec::new());
+        let (mut events, mut takes_back) = (Vec::new(), false);
         for index in 0..self.recent.len() {
+            let world = &self.world;
             let (own, later) = (&self.recent[index], &self.recent[index + 1..]);
             let is_last = |variable: StateVariable| {
                 !masked.contains(&variable) && !later.iter().any(|step| step.changes(variable))
@@ -163,6 +176,10 @@ impl Execution {
                 events.extend(new.map(|change| change.fact).filter(is_event));
             }
             self.recent[index].refuted = refuted;
+            takes_back |= refuted && self.recent[index].counted;
+        }
+        if takes_back {
+            self.take_back_recent();
         }
         events
     }

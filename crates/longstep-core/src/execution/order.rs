@@ -105,10 +105,7 @@ impl Execution {
         let before = cursor.state().clone();
         cursor.complete(order.step, outcome)?;
         self.suspicious |= contradicts.is_some();
-        if std::mem::take(&mut self.seen_recent) {
-            self.recent.clear();
-            self.base = self.progress.clone();
-        }
+        self.keep_progress();
         let action = self.world.domain().action(order.action);
         let mut changed = before.clone();
         let ground = GroundAction {
@@ -120,6 +117,7 @@ impl Execution {
             changes: apply(&self.world, &mut changed, action, &order.arguments),
             before,
             refuted: false,
+            counted: false,
         });
         self.cursor = cursor;
         self.since.push(ground.clone());
@@ -145,6 +143,7 @@ impl Execution {
     /// An order that is not under way.
     pub fn failed(&mut self, number: u64, why: &str) -> Result<(), ExecutionError> {
         let order = self.take_running(number)?;
+        self.keep_progress();
         self.ended(&order);
         let why: String = why.chars().take(500).collect();
         self.events.push(Event::Failed {

@@ -3,7 +3,7 @@
 use super::event::FORMAT;
 use super::evidence::Looks;
 use super::written::{messages, written_outcome};
-use super::{Aim, Approval, BeginError, Event, Execution, ExecutionError, Phase, Settings, Trust};
+use super::{Aim, Approval, BeginError, Event, Execution, ExecutionError, Phase, Settings, Trust, Unseen};
 use crate::diagnostic::Diagnostics;
 use crate::environment;
 use crate::goal::{self, Goal, GoalError};
@@ -73,7 +73,11 @@ impl Execution {
     /// A log that cannot be read, or whose execution has ended otherwise.
     pub fn resume(domain: &Domain, log: &[Event], resumed: Resumed) -> Result<Self, ResumeError> {
         let mut execution = Self::replay(domain, log)?;
-        if execution.is_ended() && execution.suspended.is_none() {
+        let is_stricter = resumed.trust.is_some_and(|own| own > execution.settings.trust);
+        let mut lacked = std::mem::take(&mut execution.events);
+        let goes_on = is_stricter && execution.take_back_end(&mut lacked);
+        execution.events = lacked;
+        if execution.is_ended() && execution.suspended.is_none() && !goes_on {
             // The log may lack the end that follows from its last event.
             return match execution.events.is_empty() {
                 true => Err(ResumeError::Ended),
@@ -118,6 +122,9 @@ impl Execution {
     /// Repeats one event. Events that follow from others are there already, or come with the next input.
     fn repeat(&mut self, event: &Event, index: usize, repeated: &mut Vec<Event>) -> Result<(), ResumeError> {
         let wrong = |_: ExecutionError| ResumeError::Event(index + 1);
+        if index + 1 == repeated.len() && matches!(event, Event::Interrupted { trust: Some(_), .. }) {
+            self.take_back_end(repeated);
+        }
         if index < repeated.len() {
             return Ok(());
         }
@@ -172,6 +179,18 @@ impl Execution {
         Ok(())
     }
 
+    /// Takes back an end that no log has yet and that rests on promises, where they do not count any more. Returns true if there
+    /// was one.
+    fn take_back_end(&mut self, events: &mut Vec<Event>) -> bool {
+        let rests_on_promises =
+            |event: &Event| matches!(event, Event::Done { unseen, .. } if unseen.iter().any(Unseen::is_open));
+        let taken = events.pop_if(|event| rests_on_promises(event)).is_some();
+        if taken {
+            self.phase = Phase::Active;
+        }
+        taken
+    }
+
     /// Marks the orders under way as unknown, and has the world observed. A stop because of the robot is over then. These
     /// settings are in force from now on.
     fn interrupt(&mut self, resumed: Resumed) {
@@ -185,12 +204,19 @@ impl Execution {
         self.unapproved |= self.settings.approval == Approval::Never && resumed.approval.is_some();
         self.settings.approval = resumed.approval.unwrap_or(self.settings.approval);
         self.settings.trust = resumed.trust.unwrap_or(self.settings.trust);
-        for order in std::mem::take(&mut self.running) {
-            self.knowledge.ended(&self.world, &order);
-            self.interrupted.push(order);
+        self.keep_progress();
+        self.interrupted.append(&mut self.running);
+        match std::mem::replace(&mut self.phase, Phase::Active) {
+            Phase::Judging(observation) => {
+                self.knowledge
+                    .observed(&observation, self.orders, &self.world, &self.interrupted);
+                self.earlier_look = Some(self.with_earlier_look(observation));
+            }
+            Phase::Confirming(..) => {}
+            other => self.phase = other,
         }
-        if let Phase::Judging(_) | Phase::Confirming(..) = self.phase {
-            self.phase = Phase::Active;
+        for order in &self.interrupted {
+            self.knowledge.ended(&self.world, order);
         }
         self.looks = Looks::default();
         self.approved = None;

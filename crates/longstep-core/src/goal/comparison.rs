@@ -4,7 +4,7 @@ use super::{GoalError, GoalFact, names};
 use crate::call::Call;
 use crate::model::{
     Application, Arithmetic, Comparison, Condition, Domain, EntityId, Fluent, Function, FunctionId, GroundTest, Number,
-    NumberTest, Term, TypeId, Voice, Wanted, World,
+    NumberTest, Term, TypeId, Voice, Wanted, When, World,
 };
 
 /// A comparison of a fluent with a number or with another fluent.
@@ -116,7 +116,7 @@ impl NumberGoal {
             Arithmetic::Value(Application {
                 function: fluent.function(),
                 terms: slots.by_ref().take(arity).collect(),
-                initially: false,
+                at: When::Now,
             })
         };
         let left = application(self.fluent);

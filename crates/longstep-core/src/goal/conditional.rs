@@ -2,7 +2,9 @@
 
 use super::GoalFact;
 use crate::call::unquoted;
-use crate::model::{Atom, Condition, Domain, EntityId, Fact, PredicateId, Term, Voice, Wanted, World, written_fact};
+use crate::model::{
+    Atom, Condition, Domain, EntityId, Fact, PredicateId, Term, Voice, Wanted, When, World, written_fact,
+};
 
 /// A goal that depends on a sensed fact.
 ///
@@ -210,15 +212,15 @@ fn places(domain: &Domain) -> Vec<PredicateId> {
 
 /// Returns the condition that an entity is in every relation in which it was initially. `free` is an unused slot.
 fn stays(domain: &Domain, predicate: PredicateId, slot: usize, free: usize) -> Condition {
-    let there = |holds: bool, initially: bool| Condition::Atom {
+    let there = |holds: bool, at: When| Condition::Atom {
         atom: Atom {
             predicate,
             terms: vec![Term::Variable(slot), Term::Variable(free)],
         },
         holds,
-        initially,
+        at,
     };
-    let back = Condition::Or(vec![there(false, true), there(true, false)]);
+    let back = Condition::Or(vec![there(false, When::Initially), there(true, When::Now)]);
     Condition::Forall(free, domain.predicate(predicate).parameters[1].kind, Box::new(back))
 }
 
@@ -280,7 +282,7 @@ impl<'a> Joined<'a> {
                 terms: terms.clone(),
             },
             holds: true,
-            initially: false,
+            at: When::Now,
         };
         let past = self.domain.words(outcome.predicate()).past;
         match past {

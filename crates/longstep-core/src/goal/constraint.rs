@@ -4,7 +4,7 @@ use super::{GoalError, GoalFact, fact, names};
 use crate::call::Call;
 use crate::model::{
     Action, ActionId, Application, Arithmetic, Atom, Comparison, Condition, Domain, EntityId, FunctionId, Moment,
-    NumberTest, PredicateId, Prohibition, Slot, StepPattern, Term, TypeId, Voice, Wanted, World,
+    NumberTest, PredicateId, Prohibition, Slot, StepPattern, Term, TypeId, Voice, Wanted, When, World,
 };
 use crate::verify::{can_be_brought_about, possibly};
 
@@ -232,7 +232,7 @@ fn is_called(action: &Action, call: &Call) -> bool {
     (action.call == call.name || action.name == call.name) && call.arguments.len() <= action.explicit.len()
 }
 
-/// Returns the condition that an entity is as it was initially: in the facts that the environment states among its states,
+/// Returns the condition that an entity is as it was when the plan, or the rest of it, began: in the facts that the environment states among its states,
 /// and in the numbers whose first argument it is. What sensing reveals is no change.
 fn unchanged(world: &World, entity: EntityId) -> Condition {
     let domain = world.domain();
@@ -285,35 +285,39 @@ fn everywhere(kinds: &[TypeId], condition: Condition) -> Condition {
     })
 }
 
-/// Returns the condition that an atom has its initial value.
+/// Returns the condition that an atom has the value of the start.
 fn fact_as_before(predicate: PredicateId, terms: Vec<Term>) -> Condition {
-    let atom = |holds: bool, initially: bool| Condition::Atom {
+    let atom = |holds: bool, at: When| Condition::Atom {
         atom: Atom {
             predicate,
             terms: terms.clone(),
         },
         holds,
-        initially,
+        at,
     };
     Condition::And(vec![
-        Condition::Or(vec![atom(false, false), atom(true, true)]),
-        Condition::Or(vec![atom(true, false), atom(false, true)]),
+        Condition::Or(vec![atom(false, When::Now), atom(true, When::Start)]),
+        Condition::Or(vec![atom(true, When::Now), atom(false, When::Start)]),
     ])
 }
 
-/// Returns the condition that a number is the initial one, or unknown as it was.
+/// Returns the condition that a number is the one of the start, or unknown as it was.
 fn number_as_before(function: FunctionId, terms: Vec<Term>) -> Condition {
-    let number = |initially: bool| {
+    let number = |at: When| {
         Arithmetic::Value(Application {
             function,
             terms: terms.clone(),
-            initially,
+            at,
         })
     };
     let is = Condition::Number;
-    let unknown = [false, true].map(|initially| is(NumberTest::Known(number(initially), false)));
+    let unknown = [When::Now, When::Start].map(|at| is(NumberTest::Known(number(at), false)));
     Condition::Or(vec![
-        is(NumberTest::Compare(number(false), Comparison::Equal, number(true))),
+        is(NumberTest::Compare(
+            number(When::Now),
+            Comparison::Equal,
+            number(When::Start),
+        )),
         Condition::And(unknown.to_vec()),
     ])
 }

@@ -3,7 +3,7 @@
 use super::parse;
 use crate::domain::{Files, from_pddl, load};
 use crate::environment;
-use crate::model::{Condition, World};
+use crate::model::{Condition, State, World};
 use crate::pddl::{read_problem, write_plan};
 use crate::search::{Limits, Outcome, solve};
 use crate::verify::check;
@@ -215,17 +215,18 @@ fn what_is_untouched_keeps_its_numbers() {
         let wet = read_problem(&domain, "p.pddl", problem).unwrap().world;
         assert_eq!(planned(&wet, text), expected, "{text}");
     }
-    // What was true of a number before the instruction is remembered by the rest of a plan.
+    // What others change before the rest of a plan is no change of it; what the rest changes is.
     let goal = parse(&world, "level(cup) >= 1 & untouched(mug)").unwrap();
     let purpose = goal.purpose(&world);
     let mut state = world.state.clone();
     let mug = world.find("mug").unwrap();
     let level = crate::model::Fluent::new(crate::model::FunctionId::new(0), [mug]);
     state.set_number(level, 1.into());
-    let rest = world.continued(state);
+    let rest = world.continued(state.clone());
     let rule = purpose.prohibitions[0].always.clone().unwrap();
-    let broken = |world: &World| crate::model::broken_bindings(&rule, world, &world.state).len();
-    assert_eq!((broken(&world), broken(&rest)), (0, 1));
+    let broken = |world: &World, state: &State| crate::model::broken_bindings(&rule, world, state).len();
+    assert_eq!((broken(&world, &world.state), broken(&world, &state)), (0, 1));
+    assert_eq!((broken(&rest, &state), broken(&rest, &world.state)), (0, 1));
 }
 
 #[test]

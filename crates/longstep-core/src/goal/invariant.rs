@@ -5,7 +5,9 @@
 //! group holds for given other arguments if that is so initially and no step changes it ([`exclusive`]).
 
 use crate::effort;
-use crate::model::{Action, Atom, Condition, Domain, Effect, EntityId, Fact, PredicateId, Slot, Term, TypeId, World};
+use crate::model::{
+    Action, Atom, Condition, Domain, Effect, EntityId, Fact, PredicateId, Slot, Term, TypeId, When, World,
+};
 
 /// Maximum number of predicates whose facts exclude each other.
 const GROUP: usize = 5;
@@ -181,7 +183,7 @@ impl<'a> Step<'a> {
             Condition::Atom {
                 atom,
                 holds: true,
-                initially: false,
+                at: When::Now,
             } => {
                 let is_other =
                     |member: &Member| member.predicate == atom.predicate && member.key_terms(atom) == own.key;
@@ -223,7 +225,7 @@ impl<'a> Step<'a> {
             let Condition::Atom {
                 atom,
                 holds: false,
-                initially: false,
+                at: When::Now,
             } = part
             else {
                 return false;
@@ -284,7 +286,7 @@ impl<'a> Step<'a> {
             Condition::Atom {
                 atom,
                 holds,
-                initially: false,
+                at: When::Now,
             } => there(atom).is_some_and(|atom| {
                 // It deletes what holds.
                 let is_itself = *holds && atom.predicate == deletion.atom.predicate && atom.terms == terms;
@@ -355,7 +357,7 @@ impl<'a> Step<'a> {
             Condition::Atom {
                 atom,
                 holds,
-                initially: false,
+                at: When::Now,
             } => other
                 .effect
                 .condition
@@ -400,7 +402,7 @@ fn is_literal(part: &Condition, atom: &Atom, holds: bool) -> bool {
         Condition::Atom {
             atom: own,
             holds: sign,
-            initially: false,
+            at: When::Now,
         } => own == atom && *sign == holds,
         _ => false,
     }

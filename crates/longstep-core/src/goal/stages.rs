@@ -3,7 +3,9 @@
 use super::exclusion::{Literals, alternatives, excludes};
 use super::{Goal, GoalFact};
 use crate::effort;
-use crate::model::{Atom, Condition, Domain, EntityId, Fact, GroundTest, Moment, Term, Wanted, World, holds, unify};
+use crate::model::{
+    Atom, Condition, Domain, EntityId, Fact, GroundTest, Moment, Term, Wanted, When, World, holds, unify,
+};
 use crate::search::ground_condition;
 use crate::verify::Milestone;
 
@@ -189,7 +191,7 @@ fn implies(world: &World, made: Fact, required: Fact) -> bool {
                 Condition::Atom {
                     atom,
                     holds: true,
-                    initially: false,
+                    at: When::Now,
                 } => atom.predicate == required.predicate() && is(atom, required, &arguments),
                 _ => false,
             });

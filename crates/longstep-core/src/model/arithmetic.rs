@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{EntityId, Moment, Number, Slot, Term, World, grounded_term, id};
+use super::{EntityId, Moment, Number, Slot, Term, When, World, grounded_term, id};
 
 id!(
     /// A numeric function of a domain.
@@ -42,8 +42,8 @@ pub struct Application {
     pub function: FunctionId,
     /// The arguments.
     pub terms: Vec<Term>,
-    /// True if it is evaluated in the state in which the instruction was given, false for the current state.
-    pub initially: bool,
+    /// The state in which it is evaluated.
+    pub at: When,
 }
 
 impl Application {
@@ -55,7 +55,7 @@ impl Application {
 
     /// Returns the number at a moment; none if it has none.
     fn number(&self, moment: Moment<'_>, bindings: &[EntityId]) -> Option<Number> {
-        moment.state_of(self.initially).number(self.ground(bindings))
+        moment.state_of(self.at).number(self.ground(bindings))
     }
 
     /// Returns the application with other terms.
@@ -221,7 +221,7 @@ impl NumericExpression {
         self.evaluate(&|own| own.number(moment, bindings))
     }
 
-    /// Grounds the expression; initial numbers and fluents that never change are replaced by their values, undefined ones
+    /// Grounds the expression; numbers of the past and fluents that never change are replaced by their values, undefined ones
     /// stay.
     pub(crate) fn ground(&self, world: &World, bindings: &[EntityId]) -> GroundExpression {
         let moment = Moment {
@@ -230,7 +230,7 @@ impl NumericExpression {
         };
         self.map(&mut |own| {
             let fluent = own.ground(bindings);
-            let fixed = own.initially || !world.domain().function(own.function).changes;
+            let fixed = own.at != When::Now || !world.domain().function(own.function).changes;
             match own.number(moment, bindings).filter(|_| fixed) {
                 Some(number) => Arithmetic::Constant(number),
                 None => Arithmetic::Value(fluent),
@@ -408,7 +408,7 @@ impl NumberTest<Application> {
     pub(crate) fn initially(self) -> Self {
         self.map(&mut |own: &Application| {
             Arithmetic::Value(Application {
-                initially: true,
+                at: When::Initially,
                 ..own.clone()
             })
         })
@@ -418,10 +418,11 @@ impl NumberTest<Application> {
     pub(crate) fn ground(&self, world: &World, bindings: &[EntityId]) -> GroundTest {
         let mut is_unknown = false;
         self.for_each(&mut |own| {
-            is_unknown |= own.initially && world.initially().number(own.ground(bindings)).is_none();
+            let past = world.past(own.at);
+            is_unknown |= past.is_some_and(|state| state.number(own.ground(bindings)).is_none());
         });
         match self {
-            // Nothing gives a number to what had none initially.
+            // Nothing gives a number to what had none in that state.
             Self::Compare(..) if is_unknown => GroundTest::Known(Arithmetic::Constant(Number::ZERO), false),
             Self::Known(_, known) if is_unknown => GroundTest::Known(Arithmetic::Constant(Number::ZERO), !known),
             Self::Compare(left, comparison, right) => {
@@ -435,7 +436,7 @@ impl NumberTest<Application> {
     pub(crate) fn fixed(&self, moment: Moment<'_>, bindings: &[EntityId]) -> Option<bool> {
         let domain = moment.world.domain();
         let mut changes = false;
-        self.for_each(&mut |own| changes |= !own.initially && domain.function(own.function).changes);
+        self.for_each(&mut |own| changes |= own.at == When::Now && domain.function(own.function).changes);
         (!changes).then(|| self.holds_at(moment, bindings))
     }
 }

@@ -43,8 +43,8 @@ pub enum Condition {
         atom: Atom,
         /// True for the atom, false for its negation.
         holds: bool,
-        /// True if the atom is evaluated in the state in which the instruction was given, false for the current state.
-        initially: bool,
+        /// The state in which it is evaluated.
+        at: When,
     },
     /// An equality of two terms or its negation.
     Equal {
@@ -57,6 +57,17 @@ pub enum Condition {
     },
     /// A requirement on numbers.
     Number(NumberTest<Application>),
+}
+
+/// The state in which a fact or number of a condition is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum When {
+    /// The state in which the condition is evaluated.
+    Now,
+    /// The one in which the plan, or what is left of it, begins: what others have changed is no change of the plan.
+    Start,
+    /// The one in which the instruction was given.
+    Initially,
 }
 
 impl Condition {
@@ -72,10 +83,10 @@ impl Condition {
             Self::Or(conditions) => Self::And(all(conditions)),
             Self::Forall(slot, kind, inner) => Self::Exists(slot, kind, Box::new(inner.negated())),
             Self::Exists(slot, kind, inner) => Self::Forall(slot, kind, Box::new(inner.negated())),
-            Self::Atom { atom, holds, initially } => Self::Atom {
+            Self::Atom { atom, holds, at } => Self::Atom {
                 atom,
                 holds: !holds,
-                initially,
+                at,
             },
             Self::Equal { left, right, holds } => Self::Equal {
                 left,
@@ -113,13 +124,9 @@ impl Condition {
     /// Returns the condition with the slots of its quantifiers renumbered, and other terms.
     fn with_terms(self, slot: &impl Fn(Slot) -> Slot, term: &impl Fn(Term) -> Term) -> Self {
         self.map(slot, &|literal| match literal {
-            Self::Atom {
-                mut atom,
-                holds,
-                initially,
-            } => {
+            Self::Atom { mut atom, holds, at } => {
                 atom.terms.iter_mut().for_each(|place| *place = term(*place));
-                Self::Atom { atom, holds, initially }
+                Self::Atom { atom, holds, at }
             }
             Self::Equal { left, right, holds } => Self::Equal {
                 left: term(left),
@@ -152,7 +159,7 @@ impl Condition {
             Self::Atom { atom, holds, .. } => Self::Atom {
                 atom,
                 holds,
-                initially: true,
+                at: When::Initially,
             },
             Self::Number(test) => Self::Number(test.initially()),
             other => other,

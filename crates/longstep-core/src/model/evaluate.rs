@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Atom, Condition, EntityId, Fact, Slot, State, Term, TypeId, World};
+use super::{Atom, Condition, EntityId, Fact, Slot, State, Term, TypeId, When, World};
 use crate::effort;
 
 /// The entities bound to the slots of a condition.
@@ -26,9 +26,7 @@ pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings)
         Condition::Or(any) => effort::spend(any.len()) && any.iter().any(|c| holds(moment, c, bindings)),
         Condition::Forall(slot, kind, inner) => !some(moment, *slot, *kind, inner, false, bindings),
         Condition::Exists(slot, kind, inner) => some(moment, *slot, *kind, inner, true, bindings),
-        Condition::Atom { atom, holds, initially } => {
-            moment.state_of(*initially).holds(ground(atom, bindings)) == *holds
-        }
+        Condition::Atom { atom, holds, at } => moment.state_of(*at).holds(ground(atom, bindings)) == *holds,
         Condition::Equal { left, right, holds } => {
             (grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds
         }
@@ -95,10 +93,10 @@ pub(crate) fn for_candidates(
 }
 
 /// Returns true if the facts of an atom, initial or current, may be relied on in every later state.
-type Reliable<'a> = &'a dyn Fn(&Atom, bool) -> bool;
+type Reliable<'a> = &'a dyn Fn(&Atom, When) -> bool;
 
 /// Relies on all facts of the current state.
-fn any(_: &Atom, _: bool) -> bool {
+fn any(_: &Atom, _: When) -> bool {
     true
 }
 
@@ -140,8 +138,8 @@ fn guarded(condition: &Condition, value: bool, slot: Slot, reliable: Reliable<'_
         Condition::Exists(_, _, inner) if value => part_guarded(inner),
         Condition::Forall(_, _, inner) if !value => part_guarded(inner),
         Condition::Forall(..) | Condition::Exists(..) => false,
-        Condition::Atom { atom, holds, initially } => {
-            *holds == value && atom.terms.contains(&Term::Variable(slot)) && reliable(atom, *initially)
+        Condition::Atom { atom, holds, at } => {
+            *holds == value && atom.terms.contains(&Term::Variable(slot)) && reliable(atom, *at)
         }
         Condition::Equal { left, right, holds } => *holds == value && other_side(*left, *right, slot).is_some(),
         Condition::Number(_) => false,
@@ -191,9 +189,7 @@ fn for_guards(
             Some(other) => visit(grounded_term(other, bindings), bindings),
             None => ControlFlow::Continue(()),
         },
-        Condition::Atom { atom, initially, .. } => {
-            for_matching(moment.state_of(*initially), atom, slot, bindings, visit)
-        }
+        Condition::Atom { atom, at, .. } => for_matching(moment.state_of(*at), atom, slot, bindings, visit),
         // Never a guard.
         Condition::Number(_) => ControlFlow::Continue(()),
     }
@@ -236,8 +232,8 @@ pub(crate) fn for_matching(
 }
 
 impl<'a> Moment<'a> {
-    pub(super) fn state_of(self, initially: bool) -> &'a State {
-        if initially { self.world.initially() } else { self.state }
+    pub(super) fn state_of(self, at: When) -> &'a State {
+        self.world.past(at).unwrap_or(self.state)
     }
 }
 
@@ -245,9 +241,10 @@ impl<'a> Moment<'a> {
 /// state; none for any other condition.
 pub(crate) fn static_value(world: &World, condition: &Condition, bindings: &[EntityId]) -> Option<bool> {
     match condition {
-        Condition::Atom { atom, holds, initially } => {
-            let unchanging = *initially || !world.domain().words(atom.predicate).fluent;
-            let state = if *initially { world.initially() } else { &world.state };
+        Condition::Atom { atom, holds, at } => {
+            let past = world.past(*at);
+            let unchanging = past.is_some() || !world.domain().words(atom.predicate).fluent;
+            let state = past.unwrap_or(&world.state);
             unchanging.then(|| state.holds(ground(atom, bindings)) == *holds)
         }
         Condition::Equal { left, right, holds } => {

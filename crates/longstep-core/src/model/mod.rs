@@ -36,7 +36,7 @@ pub use arithmetic::{
     Application, Arithmetic, Comparison, Fluent, FunctionId, GroundExpression, GroundTest, NumberTest,
     NumericExpression, Operation,
 };
-pub use condition::{Atom, Condition, Effect, Slot, Term};
+pub use condition::{Atom, Condition, Effect, Slot, Term, When};
 pub use diff::{Difference, changed_facts, differences};
 pub use distinction::Distinctions;
 pub(crate) use domain::ActionSchema;

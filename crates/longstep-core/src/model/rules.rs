@@ -1,6 +1,6 @@
 //! Evaluation of rules: the bindings that violate a rule.
 
-use super::{Atom, Bindings, Condition, EntityId, Moment, Rule, State, Term, World, holds};
+use super::{Atom, Bindings, Condition, EntityId, Moment, Rule, State, Term, When, World, holds};
 use crate::effort;
 
 /// Returns the bindings of the rule's variables under which its condition is false, in order.
@@ -14,8 +14,8 @@ pub fn broken_bindings(rule: &Rule, world: &World, state: &State) -> Vec<Binding
     };
     // A binding violates the rule only if every negated atom of the alternatives holds.
     let mut partial = vec![vec![None; rule.variables.len()]];
-    for (atom, initially) in parts.iter().flat_map(denied_atoms) {
-        partial = join(&partial, atom, if initially { world.initially() } else { state });
+    for (atom, at) in parts.iter().flat_map(denied_atoms) {
+        partial = join(&partial, atom, world.past(at).unwrap_or(state));
     }
     let mut broken = Vec::new();
     for bindings in partial {
@@ -26,15 +26,11 @@ pub fn broken_bindings(rule: &Rule, world: &World, state: &State) -> Vec<Binding
     broken
 }
 
-/// Returns the negated atoms that must hold for the alternative to be false, with `true` for those evaluated in the
-/// initial state.
-fn denied_atoms(part: &Condition) -> Vec<(&Atom, bool)> {
+/// Returns the negated atoms that must hold for the alternative to be false, with the state in which each is
+/// evaluated.
+fn denied_atoms(part: &Condition) -> Vec<(&Atom, When)> {
     match part {
-        Condition::Atom {
-            atom,
-            holds: false,
-            initially,
-        } => vec![(atom, *initially)],
+        Condition::Atom { atom, holds: false, at } => vec![(atom, *at)],
         Condition::Or(parts) => parts.iter().flat_map(denied_atoms).collect(),
         _ => Vec::new(),
     }

@@ -1,6 +1,6 @@
 //! The facts and numbers that the truth of a condition rests on.
 
-use super::{Bindings, Condition, Fact, Fluent, Moment, State, Voice, World, ground, holds};
+use super::{Bindings, Condition, Fact, Fluent, Moment, State, Voice, When, World, ground, holds};
 use crate::effort;
 
 /// A fact or a number of a state.
@@ -99,11 +99,11 @@ fn found(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings, wei
                 own
             }));
         }
-        Condition::Atom { atom, initially, .. } => {
+        Condition::Atom { atom, at, .. } => {
             if !holds(moment, condition, bindings) {
                 return None;
             }
-            if !initially {
+            if *at == When::Now {
                 support.rest_on(StateVariable::Fact(ground(atom, bindings)), weight);
             }
         }
@@ -113,7 +113,7 @@ fn found(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings, wei
                 return None;
             }
             test.for_each(&mut |application| {
-                if !application.initially {
+                if application.at == When::Now {
                     support.rest_on(StateVariable::Number(application.ground(bindings)), weight);
                 }
             });

@@ -1,6 +1,6 @@
 //! A goal condition with its bindings.
 
-use super::{Atom, Condition, Domain, EntityId, Fact, Term};
+use super::{Atom, Condition, Domain, EntityId, Fact, Term, When};
 
 /// A condition to achieve, with the entities bound to its first slots.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ impl Wanted {
             condition: Condition::Atom {
                 atom,
                 holds: true,
-                initially: false,
+                at: When::Now,
             },
             bindings: (0..arity).map(|place| fact.argument(place)).collect(),
         }

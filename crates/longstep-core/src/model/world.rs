@@ -6,7 +6,7 @@ use indexmap::IndexMap;
 
 use super::prohibition::ForbiddenSteps;
 use super::value::VALUE_LIMIT;
-use super::{Domain, EntityId, Environment, Fact, Prohibition, State, TypeId, Value};
+use super::{Domain, EntityId, Environment, Fact, Prohibition, State, TypeId, Value, When};
 
 /// The largest number of entities; ids have 16 bits in a [`Fact`].
 pub(crate) const ENTITY_LIMIT: usize = 60_000;
@@ -117,6 +117,15 @@ impl World {
     /// The state that conditions mean by `initially`: the one in which the instruction was given.
     pub fn initially(&self) -> &State {
         self.origin.as_deref().unwrap_or(&self.state)
+    }
+
+    /// Returns the state of the past in which something is looked at; none for [`When::Now`].
+    pub(crate) fn past(&self, at: When) -> Option<&State> {
+        match at {
+            When::Now => None,
+            When::Start => Some(&self.state),
+            When::Initially => Some(self.initially()),
+        }
     }
 
     /// Returns the world in a later state of the same instruction: a plan for it is the rest of a plan.

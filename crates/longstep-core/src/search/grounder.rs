@@ -13,7 +13,7 @@ use super::task::{Always, Task};
 use crate::effort;
 use crate::model::{
     Action, ActionId, Arithmetic, Atom, Bindings, Condition, Domain, EntityId, Fact, GroundTest, Moment, Slot, State,
-    Term, TypeId, Wanted, World, ever_candidates, ground as ground_atom, static_value,
+    Term, TypeId, Wanted, When, World, ever_candidates, ground as ground_atom, static_value,
 };
 
 /// Work units for one node of a condition, which is stored and copied into smaller tasks.
@@ -447,7 +447,7 @@ impl<'a> Grounder<'a> {
         bindings: &mut Bindings,
     ) -> Cow<'a, [EntityId]> {
         let (domain, world) = (self.domain, self.world);
-        let unchanging = |atom: &Atom, initially: bool| initially || !domain.words(atom.predicate).fluent;
+        let unchanging = |atom: &Atom, at: When| at != When::Now || !domain.words(atom.predicate).fluent;
         let moment = Moment {
             world,
             state: &world.state,

@@ -12,7 +12,7 @@ use super::Wanted;
 use crate::effort;
 use crate::model::{
     Action, Atom, Bindings, Condition, Domain, EntityId, FunctionId, Moment, NumberTest, PredicateId, Term, TypeId,
-    World, broken_bindings, ever_candidates,
+    When, World, broken_bindings, ever_candidates,
 };
 use crate::verify::Milestone;
 
@@ -126,20 +126,20 @@ impl Scope {
 /// they allow any.
 fn most_choices(world: &World, condition: &Condition, slot: usize) -> Option<usize> {
     let guards = condition.conjuncts().filter_map(|part| match part {
-        Condition::Atom {
-            atom,
-            holds: true,
-            initially,
-        } if *initially || !world.domain().words(atom.predicate).fluent => Some((atom, *initially)),
+        Condition::Atom { atom, holds: true, at }
+            if *at != When::Now || !world.domain().words(atom.predicate).fluent =>
+        {
+            Some((atom, *at))
+        }
         _ => None,
     });
     let guards = guards.filter(|(atom, _)| atom.terms.contains(&Term::Variable(slot)));
-    let most = |(atom, initially): (&Atom, bool)| {
+    let most = |(atom, at): (&Atom, When)| {
         let is_bound = |term: &Term| !matches!(term, Term::Variable(variable) if *variable >= slot);
         let bound: Vec<usize> = (0..atom.terms.len())
             .filter(|place| is_bound(&atom.terms[*place]))
             .collect();
-        let state = if initially { world.initially() } else { &world.state };
+        let state = world.past(at).unwrap_or(&world.state);
         let facts = state.of_predicate(atom.predicate);
         effort::spend(1 + facts.len());
         let mut counts: FxHashMap<Vec<EntityId>, usize> = FxHashMap::default();
@@ -316,7 +316,7 @@ impl Requirements {
 
 /// Adds the entities that an existential condition may be about, up to [`MANY`].
 fn named(world: &World, condition: &Condition, bindings: &mut Bindings, found: &mut FxHashSet<EntityId>) {
-    let unchanging = |atom: &Atom, initially: bool| initially || !world.domain().words(atom.predicate).fluent;
+    let unchanging = |atom: &Atom, at: When| at != When::Now || !world.domain().words(atom.predicate).fluent;
     match condition {
         Condition::And(parts) | Condition::Or(parts) => {
             parts.iter().for_each(|part| named(world, part, bindings, found));

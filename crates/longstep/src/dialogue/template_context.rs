@@ -3,7 +3,7 @@
 use minijinja::{Value, context};
 
 use super::forms::{acts, has_trees, senses};
-use crate::model::{Action, Condition, Domain, NumberTest, NumericExpression, RuleTime, Slot, Term, TypeId};
+use crate::model::{Action, Condition, Domain, NumberTest, NumericExpression, RuleTime, Slot, Term, TypeId, When};
 
 /// Builds the variables of a template:
 ///
@@ -151,7 +151,7 @@ fn number(domain: &Domain, expression: &NumericExpression, names: &[String]) -> 
     expression.written(&|own| {
         let says = &domain.function(own.function).says;
         let sentence = says.fill(|place| called(domain, own.terms[place], names));
-        if own.initially {
+        if own.at != When::Now {
             format!("{sentence} at the start")
         } else {
             sentence
@@ -180,11 +180,11 @@ fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String 
         }
         Condition::Forall(slot, kind, inner) => quantified(domain, (*slot, *kind), inner, names, true),
         Condition::Exists(slot, kind, inner) => quantified(domain, (*slot, *kind), inner, names, false),
-        Condition::Atom { atom, holds, initially } => {
+        Condition::Atom { atom, holds, at } => {
             let words = domain.words(atom.predicate);
             let template = if *holds { &words.says } else { &words.denies };
             let sentence = template.fill(|place| called(domain, atom.terms[place], names));
-            if *initially {
+            if *at != When::Now {
                 format!("{sentence} at the start")
             } else {
                 sentence

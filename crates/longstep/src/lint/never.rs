@@ -5,7 +5,7 @@ use super::reach::{Obstacle, Reach, kinds};
 use super::reads::Reads;
 use super::{Finding, Lint, quoted};
 use crate::model::{Action, Domain, Parameter, PredicateId};
-use crate::model::{Atom, Condition, Term};
+use crate::model::{Atom, Condition, Term, When};
 
 pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, reads: &Reads, places: &Places<'_>) -> Vec<Finding> {
     let mut family = Family {
@@ -295,7 +295,7 @@ fn changes(domain: &Domain, predicate: PredicateId, adds: bool) -> bool {
 /// Returns true if some action can change a fact in favour of the condition.
 fn can_change(condition: &Condition, domain: &Domain) -> bool {
     condition.iter().any(|part| {
-        matches!(part, Condition::Atom { atom, holds, initially: false } if changes(domain, atom.predicate, *holds))
+        matches!(part, Condition::Atom { atom, holds, at: When::Now } if changes(domain, atom.predicate, *holds))
     })
 }
 
@@ -309,7 +309,7 @@ fn needs_none(condition: &Condition, predicate: PredicateId) -> bool {
             inner = next;
         }
         inner.conjuncts().any(|literal| {
-            matches!(literal, Condition::Atom { atom, holds: false, initially: false }
+            matches!(literal, Condition::Atom { atom, holds: false, at: When::Now }
                 if atom.predicate == predicate && atom.terms.iter().all(|term| everything.contains(term)))
         })
     })

@@ -5,7 +5,7 @@
 //! what it accepts is impossible too.
 
 use crate::model::{Action, Domain, Literal, Parameter, PredicateId, TypeId, Unknown};
-use crate::model::{Atom, Condition, Term};
+use crate::model::{Atom, Condition, Term, When};
 
 /// Reason why a condition can never hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -236,12 +236,12 @@ impl<'a> Reach<'a> {
         wild: &[(usize, TypeId)],
         kinds: &[TypeId],
     ) -> bool {
-        let (Some((atom, holds, initially)), Some((pattern, pattern_holds, pattern_initially))) =
+        let (Some((atom, holds, at)), Some((pattern, pattern_holds, pattern_at))) =
             (parts_of(literal), parts_of(general))
         else {
             return false;
         };
-        if atom.predicate != pattern.predicate || holds == pattern_holds || initially != pattern_initially {
+        if atom.predicate != pattern.predicate || holds == pattern_holds || at != pattern_at {
             return false;
         }
         let mut bound: Vec<(usize, Term)> = Vec::new();
@@ -260,15 +260,11 @@ impl<'a> Reach<'a> {
 
     fn to_literal(&self, literal: &Condition, kinds: &[TypeId]) -> Option<Obstacle> {
         match literal {
-            Condition::Atom {
-                atom,
-                holds: true,
-                initially,
-            } => {
+            Condition::Atom { atom, holds: true, at } => {
                 if !self.can_be_true(atom.predicate) {
                     return Some(Obstacle::NeverTrue(atom.predicate));
                 }
-                if *initially && self.domain.words(atom.predicate).event {
+                if *at != When::Now && self.domain.words(atom.predicate).event {
                     return Some(Obstacle::NotYet(atom.predicate));
                 }
                 let parameters = &self.domain.predicate(atom.predicate).parameters;
@@ -308,16 +304,16 @@ pub(super) fn kinds(parameters: &[Parameter]) -> Vec<TypeId> {
     parameters.iter().map(|parameter| parameter.kind).collect()
 }
 
-fn parts_of(literal: &Condition) -> Option<(&Atom, bool, bool)> {
+fn parts_of(literal: &Condition) -> Option<(&Atom, bool, When)> {
     match literal {
-        Condition::Atom { atom, holds, initially } => Some((atom, *holds, *initially)),
+        Condition::Atom { atom, holds, at } => Some((atom, *holds, *at)),
         _ => None,
     }
 }
 
 fn opposite(literal: &Condition, other: &Condition) -> bool {
-    if let (Some((atom, holds, initially)), Some((same, opposite, then))) = (parts_of(literal), parts_of(other)) {
-        return atom == same && holds != opposite && initially == then;
+    if let (Some((atom, holds, at)), Some((same, opposite, then))) = (parts_of(literal), parts_of(other)) {
+        return atom == same && holds != opposite && at == then;
     }
     match (literal, other) {
         (

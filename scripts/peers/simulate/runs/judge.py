@@ -74,6 +74,7 @@ class Judge:
         self.strict = Tracker(purpose, strict=True)
         # A strict reading begins with the first look.
         self.strict_progress: Progress | None = None
+        self.strict_events: frozenset = frozenset()
         self.errors = self.signals = self.refusals = 0
         self.last_look: dict | None = None
         self.answer: bool | None = None
@@ -183,6 +184,7 @@ class Judge:
         """A refusal."""
         if self.proposed is None or self.proposed["answer"] is not False:
             self.blame("refusal that no person gave")
+        self.counts["said no"] += 1
 
     def on_ordered(self, event: dict) -> None:
         """An order."""
@@ -254,7 +256,11 @@ class Judge:
     def advance(self, events: frozenset) -> None:
         """Follows the stages."""
         if self.strict_progress is not None:
-            self.strict_progress = self.strict.on(self.strict_progress, self.belief.view(self.evident), events)
+            self.strict_events |= events
+            if self.looked:
+                # A stage is achieved in a state that was observed.
+                self.strict_progress = self.strict.on(self.strict_progress, self.belief.view(self.evident), self.strict_events)
+                self.strict_events = frozenset()
         elif self.looked:
             self.strict_progress = self.strict.start(self.belief.view(self.evident))
         self.progress = self.lenient.on(self.progress, self.belief.view(self.may_be_evident), events)

@@ -5,7 +5,7 @@ from functools import cached_property
 
 from ..numbers import State
 from ..search import at_end
-from ..world import holds, join, negate
+from ..world import complement, holds, join
 from .view import keys_of, truth
 from .world import NumberAction, NumberWorld
 
@@ -36,6 +36,8 @@ class Constraint:
     entity: str | None = None
     call: tuple | None = None
     goals: list[tuple] = field(default_factory=list)
+    # True for a rule, which outlasts the goal and sets no other rule aside.
+    standing: bool = False
 
     def forbids(self, action: NumberAction) -> bool:
         """True for a step that the constraint excludes by its name and arguments."""
@@ -73,7 +75,7 @@ class Purpose:
         rules = [(f"rule {name}", own) for name, _, own in self.world.rules["always"]]
         for own in self.constraints:
             if own.condition is not None:
-                rules.append((own.text, own.condition if own.word == "always" else negate(own.condition)))
+                rules.append((own.text, own.condition if own.word == "always" else complement(own.condition)))
         return rules
 
     def at_end(self) -> list:
@@ -82,7 +84,7 @@ class Purpose:
             return [own for _, _, own in self.world.rules["end"]]
         spoken = [goal for stage in self.stages for part in stage for goal in part.goals]
         # What has always to be so sets rules aside too.
-        spoken += [goal for own in self.constraints if own.word == "always" for goal in own.goals]
+        spoken += [goal for own in self.constraints if own.word == "always" and not own.standing for goal in own.goals]
         return at_end(self.world, spoken)
 
     def parts(self) -> list[tuple[int, Wanted]]:
@@ -92,10 +94,18 @@ class Purpose:
     def is_kept(self, number: int, part: Wanted) -> bool:
         """True for a part that has to hold at the end: one of the last stage, or one that no later one excludes.
 
-        A part does not exclude another if a state that can be reached satisfies both.
+        A part does not exclude another if a state that can be reached satisfies both, unless the domain says that it does.
         """
         later = [other for following in self.stages[number + 1 :] for other in following]
+        groups = self.groups_of(part)
+        if any(groups & self.groups_of(other) for other in later):
+            return False
         return all(any(holds(join("and", [part.condition, other.condition]), own) for own in self.reachable()) for other in later)
+
+    def groups_of(self, part: Wanted) -> set[tuple]:
+        """The groups of goals of the domain in which a part is, each with the first argument."""
+        goals = self.world.words.goals
+        return {(goals[form].group, *arguments[:1]) for form, arguments in part.goals if goals[form].group}
 
     def is_anew(self, number: int, place: int) -> bool:
         """True for a part of a later stage to which no exception can apply.
@@ -110,7 +120,7 @@ class Purpose:
 
     def is_free(self, part, before) -> bool:
         """True if some step achieves `before` and leaves `part` false."""
-        wanted = join("and", [before, negate(part)])
+        wanted = join("and", [before, complement(part)])
         # Events count from the beginning of their stage, which no single state shows.
         if any(key[0] in self.world.words.events for key in keys_of(wanted)):
             return False
@@ -189,7 +199,8 @@ class Tracker:
             own = view.with_events(since, self.happening) if stage else view
             known = [truth(part.condition, own) for part in parts]
             true = {place for place, truth_now in enumerate(known) if truth_now is True}
-            counting |= self.countable(known)
+            # A strict reading looks once, when the stage begins.
+            counting |= frozenset() if self.strict and stage else self.countable(known)
             done |= {place for place in true if place in counting or not self.is_anew(stage, place)}
             if len(done) < len(parts):
                 break

@@ -120,6 +120,7 @@ class Source:
         for _ in range(random.choice([0, 0, 0, 0, 1, 2])):
             rule = drawer.constraint(states, steps)
             if rule is not None:
+                rule.standing = True
                 rules.append(rule.text)
                 purpose = replace(purpose, constraints=[*purpose.constraints, rule])
         if goal is not None and random.random() < 0.25:

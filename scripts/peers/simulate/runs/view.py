@@ -22,6 +22,9 @@ def truth(ground, view) -> bool | None:
                 return deciding
             unsure |= known is None
         return None if unsure else not deciding
+    if head == "misses":
+        known = truth(rest, view)
+        return None if known is None else not known
     return in_range(rest, view.numbers) if head == "range" else decide(head, rest, view.numbers)
 
 
@@ -36,4 +39,6 @@ def keys_of(ground) -> set[tuple]:
         return set().union(*map(keys_of, rest))
     if head == "range":
         return {("#", rest[0])}
+    if head == "misses":
+        return keys_of(rest)
     return {("#", key) for key in fluents(rest[1]) | fluents(rest[2])}

@@ -5,7 +5,7 @@ use toml::Spanned;
 use super::super::bare::{is_changed, plain_function};
 use super::*;
 use crate::call::is_goal_keyword;
-use crate::model::{Application, Arithmetic, Comparison, Function, FunctionId, Number, NumberTest, Term};
+use crate::model::{Application, Arithmetic, Comparison, Function, FunctionId, Number, NumberTest, Term, When};
 
 impl Loader<'_> {
     /// Reads the words of all numeric functions; a function without words gets plain ones.
@@ -109,7 +109,7 @@ pub(super) fn with_ranges(mut rules: Vec<Rule>, functions: &[Function]) -> Vec<R
             Arithmetic::Value(Application {
                 function: FunctionId::new(index),
                 terms: (0..function.parameters.len()).map(Term::Variable).collect(),
-                initially: false,
+                at: When::Now,
             })
         };
         let is = Condition::Number;

@@ -3,7 +3,7 @@
 use super::{Dialect, Reader, Scope, Semantics};
 use crate::domain::sexpr::{Expression, ExpressionKind};
 use crate::domain::{Atom, Condition, Effect, Parameter, PredicateId, Term, TypeId};
-use crate::model::{Comparison, EntityId, NumberChangeKind, NumberTest, NumericEffect, NumericExpression};
+use crate::model::{Comparison, EntityId, NumberChangeKind, NumberTest, NumericEffect, NumericExpression, When};
 
 /// The effects of an action.
 #[derive(Default)]
@@ -82,7 +82,7 @@ impl Reader<'_> {
                 Some(atom) => Condition::Atom {
                     atom,
                     holds: true,
-                    initially: false,
+                    at: When::Now,
                 },
                 None => Condition::TRUE,
             },

@@ -5,7 +5,7 @@ use super::{Reader, Scope, Semantics, TOTAL_COST};
 use crate::domain::sexpr::Expression;
 use crate::domain::{Condition, Predicate, TypeId};
 use crate::model::{
-    Application, Arithmetic, FunctionId, Number, NumberChangeKind, NumericEffect, NumericExpression, Operation,
+    Application, Arithmetic, FunctionId, Number, NumberChangeKind, NumericEffect, NumericExpression, Operation, When,
 };
 
 impl Reader<'_> {
@@ -119,7 +119,7 @@ impl Reader<'_> {
         Some(Application {
             function: FunctionId::new(index),
             terms,
-            initially: false,
+            at: When::Now,
         })
     }
 
