@@ -180,7 +180,7 @@ fn carry_out(
         written.map_err(|error| Failure::unreadable(format!("cannot write {}: {error}", file.display())))?;
     }
     if !arguments.json {
-        end(execution.world(), stop.as_ref(), is_dry);
+        end(&execution, stop.as_ref(), is_dry);
         show::changes(&before, &after);
         if let Some(stop) = stop.as_ref().filter(|_| !is_dry) {
             resume_hint(&execution, stop, path);
@@ -216,10 +216,16 @@ fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
             "{under_way} step(s) were under way when the robot was stopped; {log} says which"
         ));
     }
-    if let Stop::Unseen { .. } = stop {
-        show::hint(
+    match stop {
+        Stop::Unseen { denied: false, .. } => show::hint(
             "let the robot look there, look yourself and pass `--approve changes`, or begin with `--trust promised`",
-        );
+        ),
+        Stop::Unseen { denied: true, .. } => {
+            show::hint(
+                "let the robot look there: what it sees changes the plan, and a person's \"no\" does not say what is so",
+            );
+        }
+        _ => {}
     }
     // The hint about a robot that failed has said so.
     if stop.is_resumable() && !matches!(stop, Stop::Robot(_)) {

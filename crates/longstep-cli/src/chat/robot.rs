@@ -171,7 +171,7 @@ impl Chat<'_> {
         let stop = drive(&mut execution, body, &mut view, &request);
         drop((view, armed));
         if is_dry {
-            run::end(execution.world(), stop.as_ref(), is_dry);
+            run::end(&execution, stop.as_ref(), is_dry);
             show::hint("the plan still waits; begin again with `--live` to move the robot");
             return Ok(false);
         }
@@ -180,7 +180,7 @@ impl Chat<'_> {
             .carried_out(number, stop.is_none(), &execution.statements());
         carried_out.map_err(unfit)?;
         self.folder.keep(&mut self.session)?;
-        run::end(execution.world(), stop.as_ref(), is_dry);
+        run::end(&execution, stop.as_ref(), is_dry);
         if stop.is_some() {
             self.look_after_stop(&mut opened)?;
         }

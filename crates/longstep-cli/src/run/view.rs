@@ -202,14 +202,18 @@ fn steps(world: &World, plan: &Plan) {
 }
 
 /// Prints how a run ended.
-pub(crate) fn end(world: &World, stop: Option<&Stop>, is_dry: bool) {
+pub(crate) fn end(execution: &Execution, stop: Option<&Stop>, is_dry: bool) {
     output::blank();
     match stop {
         None if is_dry => print_line!(
             "{} the plan would reach the goal; nothing was sent. `--live` moves the robot",
             "Dry run:".green().bold()
         ),
+        None if execution.rests_on_promises() => print_line!(
+            "{} the goal is reached if what was not shown is as promised",
+            "Done:".yellow().bold()
+        ),
         None => print_line!("{} the goal is reached in the observed world", "Done:".green().bold()),
-        Some(stop) => remark!("{} {}", "Stopped:".red().bold(), stop.sentence(world)),
+        Some(stop) => remark!("{} {}", "Stopped:".red().bold(), stop.sentence(execution.world())),
     }
 }

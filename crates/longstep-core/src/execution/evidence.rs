@@ -218,6 +218,12 @@ impl Execution {
         (!spent.exhausted).then_some(all)
     }
 
+    /// Returns true if the purpose is achieved only if promises or assumptions are true that no look has shown.
+    pub fn rests_on_promises(&self) -> bool {
+        let rests_on = self.rests_on();
+        rests_on.is_none_or(|all| all.iter().any(|own| self.is_unproven(*own)))
+    }
+
     /// Returns true if the verifier accepts the empty plan for what is left of the purpose, in the believed state.
     fn is_reached(&self) -> bool {
         let here = self.here(self.state().clone());

@@ -97,7 +97,7 @@ fn trusting(approval: Approval, trust: Trust) -> Settings {
 }
 
 /// The domain of a robot that carries water, with numbers.
-fn tank() -> World {
+pub(super) fn tank() -> World {
     let files = Files {
         pddl: include_str!("../goal/tank/domain.pddl").to_owned(),
         words: include_str!("../goal/tank/domain.toml").to_owned(),

@@ -22,6 +22,8 @@ mod event;
 mod evidence;
 #[cfg(test)]
 mod evidence_tests;
+#[cfg(test)]
+mod interruption_tests;
 mod knowledge;
 mod monitor;
 mod need;

@@ -158,13 +158,14 @@ impl Stop {
                 format!("a constraint no longer holds ({constraint}): {}", because.join(", "))
             }
             Self::Unseen { unseen, denied } => {
-                let facts: Vec<String> = unseen.iter().take(LISTED).map(Unseen::sentence).collect();
+                let sentence = |own: &Unseen| if *denied { own.what.clone() } else { own.sentence() };
+                let facts: Vec<String> = unseen.iter().take(LISTED).map(sentence).collect();
                 let more = match unseen.len().saturating_sub(LISTED) {
                     0 => String::new(),
                     more => format!("; and {more} more"),
                 };
                 let said = if *denied {
-                    "a person says that it is not so"
+                    "a person says that this is not so"
                 } else {
                     "not observed"
                 };

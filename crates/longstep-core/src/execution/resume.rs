@@ -106,6 +106,9 @@ impl Execution {
         let mut repeated = execution.take_events();
         for (index, event) in log.iter().enumerate().skip(1) {
             execution.repeat(event, index, &mut repeated)?;
+            if let Some(Event::Interrupted { trust: Some(_), .. }) = log.get(repeated.len().saturating_sub(1)) {
+                execution.take_back_end(&mut repeated);
+            }
             let known = repeated.len().min(log.len());
             if repeated[..known] != log[..known] {
                 let first = (0..known).find(|index| repeated[*index] != log[*index]);
@@ -122,9 +125,6 @@ impl Execution {
     /// Repeats one event. Events that follow from others are there already, or come with the next input.
     fn repeat(&mut self, event: &Event, index: usize, repeated: &mut Vec<Event>) -> Result<(), ResumeError> {
         let wrong = |_: ExecutionError| ResumeError::Event(index + 1);
-        if index + 1 == repeated.len() && matches!(event, Event::Interrupted { trust: Some(_), .. }) {
-            self.take_back_end(repeated);
-        }
         if index < repeated.len() {
             return Ok(());
         }

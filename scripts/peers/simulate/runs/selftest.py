@@ -253,7 +253,7 @@ def right_runs() -> list[tuple[dict, list]]:
         ({}, [*GOOD, ends(None)]),
         (TRUSTING, blind(SEEN_LIT, PROMISED_FULL)),
         (changes, asked(True, {**DONE, "unseen": [SEEN_LIT]})),
-        (changes, asked(False, stopped("a person says that it is not so: the level of the gate is 1"), ends("unseen", "denies"))),
+        (changes, asked(False, stopped("a person says that this is not so: the level of the gate is 1"), ends("unseen", "denies"))),
         ({}, [*GOOD[:7], BLIND, stopped("not observed: promised by step 2, not seen since: the level of the gate is 1")]),
     ]  # fmt: skip
 

@@ -1,0 +1,145 @@
+//! What a look has shown is kept when the next step fails, when the program is killed, and when others act.
+
+use super::evidence_tests::tank;
+use super::tests::{fact, household, kitchen, plan};
+use super::*;
+use crate::domain::from_pddl;
+use crate::environment::Statements;
+use crate::model::World;
+use crate::pddl::read_problem;
+
+const DOMAIN: &str = "(define (domain lamps) (:requirements :adl) (:types lamp)
+  (:predicates (lit ?x - lamp) (dusty ?x - lamp) (swept))
+  (:action light :parameters (?x - lamp) :precondition () :effect (lit ?x))
+  (:action sweep :parameters () :precondition () :effect (and (swept) (forall (?x - lamp) (not (dusty ?x))))))";
+
+fn lamps(init: &str) -> World {
+    let domain = from_pddl("lamps.pddl", DOMAIN).unwrap();
+    let problem =
+        format!("(define (problem p) (:domain lamps) (:objects north south - lamp) (:init {init}) (:goal ()))");
+    read_problem(&domain, "p.pddl", &problem).unwrap().world
+}
+
+fn begin(world: &World, goal: &str, trust: Trust) -> Execution {
+    let settings = Settings {
+        approval: Approval::Never,
+        trust,
+        ..Settings::default()
+    };
+    Execution::new(&plan(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
+}
+
+/// Takes the next order.
+fn order(execution: &mut Execution) -> u64 {
+    match execution.next_need() {
+        Need::Perform(order) => order.number,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Lets the robot look, which sees the states of the lamps that are named.
+fn observe(execution: &mut Execution, seen: &[(&str, &str)]) {
+    assert!(matches!(execution.next_need(), Need::Observe));
+    let states = seen.iter().map(|(lamp, states)| {
+        let states: Vec<String> = states.split_whitespace().map(str::to_owned).collect();
+        ((*lamp).to_owned(), crate::environment::Words::Many(states))
+    });
+    let statements = Statements {
+        states: states.collect(),
+        facts: None,
+    };
+    execution.observed(&statements).unwrap();
+}
+
+/// The second stage is achieved by a step that says that it failed: the first one was seen before it.
+#[test]
+fn progress_that_was_seen_is_kept_when_the_next_step_fails() {
+    let world = lamps("");
+    let mut execution = begin(&world, "lit(north) then lit(south)", Trust::Observed);
+    observe(&mut execution, &[("north", ""), ("south", "")]);
+    let first = order(&mut execution);
+    execution.performed(first, None).unwrap();
+    observe(&mut execution, &[("north", "lit"), ("south", "")]);
+    let second = order(&mut execution);
+    execution.failed(second, "it jammed").unwrap();
+    observe(&mut execution, &[("north", "lit"), ("south", "lit")]);
+    assert!(matches!(execution.next_need(), Need::Done));
+}
+
+/// What others did to a thing that is to be left untouched does not end its protection.
+#[test]
+fn what_is_untouched_stays_protected_after_others_moved_it() {
+    let world = lamps("(dusty north)");
+    let mut execution = begin(&world, "swept() & untouched(south)", Trust::Observed);
+    // Somebody spills dust over the south lamp, which sweeping would take away.
+    observe(&mut execution, &[("north", "dusty"), ("south", "dusty")]);
+    let end = execution.next_need();
+    assert!(matches!(end, Need::Stopped(Stop::NoPlan { .. })), "{end:?}");
+}
+
+/// The program is killed when a person was asked about an order; what the look before the question showed is still known.
+#[test]
+fn a_look_before_an_interruption_counts() {
+    let world = kitchen();
+    let mut execution = begin(&world, "put(cup, shelf)", Trust::Observed);
+    let seen = [("<cup>", "on_something(<table>)"), ("<pen>", "on_something(<table>)")];
+    observe(&mut execution, &seen);
+    order(&mut execution);
+    let mut log = execution.take_events();
+    // Nothing shows where the hand is, so a person is asked. Somebody has moved the pen meanwhile.
+    let mut again = Execution::resume(&household(), &log, Resumed::default()).unwrap();
+    let moved = [("<pen>", "on_something(<shelf>)")];
+    observe(&mut again, &moved);
+    assert!(matches!(again.next_need(), Need::Judge(_)));
+    log.extend(again.take_events());
+    let mut again = Execution::resume(&household(), &log, Resumed::default()).unwrap();
+    observe(&mut again, &[("<cup>", "on_something(<table>)")]);
+    let Need::Judge(asked) = again.next_need() else {
+        panic!()
+    };
+    again.judged(asked.number, false).unwrap();
+    assert!(again.state().holds(fact(&world, "<pen> on_something(<shelf>)")));
+    log.extend(again.take_events());
+    let repeated = Execution::replay(&household(), &log).unwrap();
+    assert_eq!(repeated.state(), again.state());
+}
+
+/// The log lacks the end that trusts a promise, and the run is taken up again without trust.
+#[test]
+fn an_end_that_trusts_a_promise_is_taken_back() {
+    let world = tank();
+    let mut execution = begin(
+        &world,
+        "level(north tank) >= 5 then level(north tank) >= 10",
+        Trust::Promised,
+    );
+    let mut log = Vec::new();
+    loop {
+        match execution.next_need() {
+            Need::Perform(order) => execution.performed(order.number, None).unwrap(),
+            Need::Observe => execution.observed(&Statements::default()).unwrap(),
+            Need::Done => break,
+            other => panic!("{other:?}"),
+        }
+    }
+    log.extend(execution.take_events());
+    assert!(execution.rests_on_promises());
+    assert!(matches!(log.pop(), Some(Event::Done { .. })));
+    let resumed = |trust| Resumed {
+        trust,
+        ..Resumed::default()
+    };
+    let mut trusting = Execution::resume(world.domain(), &log, resumed(None)).unwrap();
+    assert!(matches!(trusting.next_need(), Need::Done));
+    let mut strict = Execution::resume(world.domain(), &log, resumed(Some(Trust::Observed))).unwrap();
+    let end = loop {
+        match strict.next_need() {
+            Need::Observe => strict.observed(&Statements::default()).unwrap(),
+            end => break end,
+        }
+    };
+    assert!(matches!(end, Need::Stopped(Stop::Unseen { .. })), "{end:?}");
+    log.extend(strict.take_events());
+    let repeated = Execution::replay(world.domain(), &log).unwrap();
+    assert!(repeated.is_ended() && repeated.settings().trust == Trust::Observed);
+}
