@@ -1,5 +1,7 @@
 //! Prohibitions: what no state and no step of a plan may be, as a person has stated it.
 
+use std::sync::Arc;
+
 use indexmap::IndexMap;
 use indexmap::map::Entry;
 use rustc_hash::{FxBuildHasher, FxHashMap};
@@ -19,7 +21,7 @@ pub struct Prohibition {
     /// True for a prohibition that stays in force after the instruction.
     pub standing: bool,
     /// The condition that must hold in every state, if there is one. It binds from the first state in which it holds.
-    pub(crate) always: Option<Rule>,
+    pub(crate) always: Option<Arc<Rule>>,
     /// The steps that are forbidden.
     pub(crate) steps: Vec<StepPattern>,
 }
@@ -128,7 +130,7 @@ impl Prohibition {
             unless: Vec::new(),
         };
         Self {
-            always: always.map(rule),
+            always: always.map(rule).map(Arc::new),
             steps,
             standing: false,
             written,
@@ -192,7 +194,7 @@ impl World {
         let first = self.domain().rules.len();
         rules
             .filter(|(_, rule)| rule.time == RuleTime::Always)
-            .chain(own.filter_map(move |(index, own)| Some((first + index, own.always.as_ref()?))))
+            .chain(own.filter_map(move |(index, own)| Some((first + index, own.always.as_deref()?))))
     }
 
     /// Returns the prohibition with this number in [`World::always_rules`]; none for a rule of the domain.

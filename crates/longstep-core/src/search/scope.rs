@@ -220,8 +220,16 @@ impl Requirements {
 
     /// Adds a condition whose first slots are bound.
     fn condition(&mut self, condition: &Condition, bindings: &[EntityId]) {
+        let parts = condition.atoms().count() + condition.numbers().count();
+        if !effort::spend(1 + parts / 4) {
+            return;
+        }
         self.literals.extend(literals(condition));
         self.functions.extend(functions(condition));
+        // What only compares numbers describes no entity.
+        if condition.atoms().next().is_none() {
+            return;
+        }
         self.conditions.push((condition.clone(), bindings.to_vec()));
     }
 
