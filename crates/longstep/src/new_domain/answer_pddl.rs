@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::answer_reader::{AnswerReader, guess_removed};
+use super::answer_reader::AnswerReader;
 use super::answers::Answers;
 use super::problem::MadeUp;
 use super::sentence::{Pattern, Piece, Which, kinds_of, plain};
@@ -58,9 +58,10 @@ impl AnswerReader<'_> {
     /// Writes the domain.
     fn pddl(&mut self) -> String {
         let answers = self.answers;
+        let all_removed = self.removed();
         let mut actions = String::new();
         let mut taken: Vec<String> = Vec::new();
-        for action in &answers.action {
+        for (action, removed) in answers.action.iter().zip(&all_removed) {
             let words = self.sentence(&action.words);
             let mut parameters: Vec<(usize, Which)> = kinds_of(&words);
             parameters.dedup();
@@ -85,12 +86,8 @@ impl AnswerReader<'_> {
             for need in &action.needs {
                 needs.extend(self.fact(need, &mut parameters, false, false));
             }
-            let removed = match &action.no_longer {
-                Some(removed) => removed.clone(),
-                None => guess_removed(answers, action),
-            };
             let mut effects = Vec::new();
-            for text in &removed {
+            for text in removed {
                 effects.extend(self.fact(text, &mut parameters, true, true));
             }
             for text in &action.then {

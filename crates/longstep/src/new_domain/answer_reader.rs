@@ -107,15 +107,11 @@ impl<'a> AnswerReader<'a> {
 
     /// Returns the number of the sentence's predicate, a new one if no sentence had its words.
     pub(super) fn pattern(&mut self, sentence: &Sentence) -> usize {
-        let mut kinds = Vec::new();
-        let words = sentence.pieces.iter().map(|piece| match piece {
-            Piece::Word(word) => word.clone(),
-            Piece::Kind(kind, _) | Piece::Thing(kind, _) => {
-                kinds.push(*kind);
-                format!("<{kind}>")
-            }
+        let kinds = sentence.pieces.iter().filter_map(|piece| match piece {
+            Piece::Kind(kind, _) | Piece::Thing(kind, _) => Some(*kind),
+            Piece::Word(_) => None,
         });
-        let key = words.collect::<Vec<_>>().join(" ");
+        let (kinds, key): (Vec<usize>, String) = (kinds.collect(), key_of(sentence));
         if let Some(index) = self.patterns.iter().position(|pattern| pattern.key == key) {
             return index;
         }
@@ -143,6 +139,70 @@ impl<'a> AnswerReader<'a> {
             pieces: sentence.pieces.clone(),
         });
         self.patterns.len() - 1
+    }
+
+    /// Returns what holds no longer after each action: what its author says, or the default.
+    pub(super) fn removed(&self) -> Vec<Vec<String>> {
+        let mut had = Had::new();
+        let all = self.answers.action.iter();
+        all.map(|action| self.removed_by(action, &mut had)).collect()
+    }
+
+    fn removed_by(&self, action: &ActionAnswer, had: &mut Had) -> Vec<String> {
+        let removed = match &action.no_longer {
+            Some(removed) => removed.clone(),
+            None => self.excluded(action, had),
+        };
+        let takes = removed.iter().any(|text| kinds_of(&self.sentence(text)).len() > 1);
+        for then in &action.then {
+            *had.entry(key_of(&self.sentence(then))).or_default() |= takes;
+        }
+        removed
+    }
+
+    /// Returns what the new facts of an action exclude, after the actions before it.
+    fn excluded(&self, action: &ActionAnswer, had: &Had) -> Vec<String> {
+        let answers = self.answers;
+        let robot = answers.robot();
+        let speaks_of_robot = |text: &str| plain(text).contains(&robot);
+        let subject = kinds_of(&self.sentence(&action.words)).first().copied();
+        let mut removed: Vec<String> = Vec::new();
+        for then in &action.then {
+            let after = self.sentence(then);
+            let about = kinds_of(&after);
+            // The robot moves: it is at no other place.
+            if let ([(place, Which::One)], true) = (&about[..], speaks_of_robot(then) && after.holds)
+                && answers.kind[*place].stays
+            {
+                let name = &answers.kind[*place].name;
+                let words = after.pieces.iter().map(|piece| match piece {
+                    Piece::Word(word) => word.clone(),
+                    Piece::Kind(..) | Piece::Thing(..) => format!("any {name}"),
+                });
+                removed.push(words.collect::<Vec<_>>().join(" "));
+            }
+            let Some(subject) = subject.filter(|own| !answers.kind[own.0].stays && about.contains(own)) else {
+                continue;
+            };
+            for need in &action.needs {
+                let before = self.sentence(need);
+                let kinds = kinds_of(&before);
+                if !before.holds || !after.holds || !kinds.contains(&subject) || removed.contains(need) {
+                    continue;
+                }
+                // A relation to something else is a place. The robot has a thing where it was taken from its place.
+                let excludes = match (speaks_of_robot(need), speaks_of_robot(then)) {
+                    (false, true) => kinds.len() > 1,
+                    (true, false) => about.len() > 1 && had.get(&key_of(&before)).is_none_or(|takes| *takes),
+                    (false, false) => kinds.len() > 1 && about != kinds && words_of(&before).eq(words_of(&after)),
+                    (true, true) => false,
+                };
+                if excludes {
+                    removed.push(need.clone());
+                }
+            }
+        }
+        removed
     }
 
     pub(super) fn kind_name(&self, kind: usize) -> String {
@@ -216,9 +276,30 @@ impl<'a> AnswerReader<'a> {
     }
 }
 
+/// By fact that some action brings about: true if the action takes a thing from its place.
+type Had = BTreeMap<String, bool>;
+
+/// Returns what two sentences have in common if they mean the same fact.
+fn key_of(sentence: &Sentence) -> String {
+    let words = sentence.pieces.iter().map(|piece| match piece {
+        Piece::Word(word) => word.clone(),
+        Piece::Kind(kind, _) | Piece::Thing(kind, _) => format!("<{kind}>"),
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+fn words_of(sentence: &Sentence) -> impl Iterator<Item = &str> {
+    let words = sentence.pieces.iter().map(|piece| match piece {
+        Piece::Word(word) => word.as_str(),
+        Piece::Kind(..) | Piece::Thing(..) => "",
+    });
+    words
+}
+
 /// Returns what holds no longer after an action, as a proposal for the author.
 ///
-/// Picking up: where the thing was. Putting down: that the robot has it. Driving: the robot is nowhere else.
+/// Only what the new facts exclude. Picking up: where the thing was. Putting down: that the robot has it. Moving a thing: where it
+/// was. Driving: the robot is nowhere else. What is true of a place, or of a thing by itself, stays so.
 ///
 /// # Errors
 ///
@@ -227,33 +308,9 @@ pub fn guess_removed(answers: &Answers, action: &ActionAnswer) -> Vec<String> {
     let Ok(reader) = AnswerReader::new(answers) else {
         return Vec::new();
     };
-    let robot = answers.robot();
-    let speaks_of_robot = |text: &str| plain(text).contains(&robot);
-    let subject = kinds_of(&reader.sentence(&action.words)).first().copied();
-    let mut removed: Vec<String> = Vec::new();
-    for then in &action.then {
-        let after = reader.sentence(then);
-        let about = kinds_of(&after);
-        // The robot moves: it is at no other place.
-        if let ([(place, Which::One)], true) = (&about[..], speaks_of_robot(then) && after.holds)
-            && answers.kind[*place].stays
-        {
-            let name = &answers.kind[*place].name;
-            let words = after.pieces.iter().map(|piece| match piece {
-                Piece::Word(word) => word.clone(),
-                Piece::Kind(..) | Piece::Thing(..) => format!("any {name}"),
-            });
-            removed.push(words.collect::<Vec<_>>().join(" "));
-        }
-        for need in &action.needs {
-            let before = reader.sentence(need);
-            let kinds = kinds_of(&before);
-            let is_about = subject.is_some_and(|subject| kinds.contains(&subject) && about.contains(&subject));
-            let handed = speaks_of_robot(need) != speaks_of_robot(then);
-            if before.holds && is_about && handed && !removed.contains(need) {
-                removed.push(need.clone());
-            }
-        }
+    let mut had = Had::new();
+    for own in answers.action.iter().take_while(|own| *own != action) {
+        reader.removed_by(own, &mut had);
     }
-    removed
+    reader.excluded(action, &had)
 }

@@ -47,7 +47,7 @@ pub struct KindAnswer {
 }
 
 /// An action.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ActionAnswer {
     /// The action in words: "put a box on a shelf".

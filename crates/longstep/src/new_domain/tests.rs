@@ -163,6 +163,63 @@ fn answers_become_pddl() {
     );
 }
 
+/// Only what the new facts exclude is offered as gone: never what a place, or a thing by itself, is.
+#[test]
+fn the_default_for_what_holds_no_longer_is_what_the_new_facts_exclude() {
+    let kinds = "name = \"x\"\nkind = [{ name = \"box\" }, { name = \"lid\" }, { name = \"shelf\", stays = true }, \
+                 { name = \"table\", stays = true }, { name = \"door\", stays = true }]\n";
+    let take = r#"{ words = "pick up a box", needs = ["the box is on a shelf", "the box is closed", "the robot is at the shelf"],
+                    then = ["the robot holds the box"] }"#;
+    let go_to_box = r#"{ words = "drive to a box", needs = [], then = ["the robot is at the box"] }"#;
+    for (earlier, action, expected) in [
+        (
+            "",
+            r#"words = "drive to a shelf", needs = ["the shelf is on the floor", "the shelf is open"], then = ["the robot is at the shelf"]"#,
+            vec!["the robot is at any shelf"],
+        ),
+        (
+            "",
+            r#"words = "open a door", needs = ["the robot is at the door", "the robot holds no box"], then = ["the door is open"]"#,
+            vec![],
+        ),
+        ("", take.trim_matches(['{', '}', ' ']), vec!["the box is on a shelf"]),
+        (
+            take,
+            r#"words = "put a box on a table", needs = ["the robot holds the box", "the box is closed"], then = ["the box is on the table"]"#,
+            vec!["the robot holds the box"],
+        ),
+        (
+            "",
+            r#"words = "put a box on a table", needs = ["the robot holds the box"], then = ["the box is on the table"]"#,
+            vec!["the robot holds the box"],
+        ),
+        (
+            go_to_box,
+            r#"words = "push a box onto a table", needs = ["the robot is at the box"], then = ["the box is on the table"]"#,
+            vec![],
+        ),
+        (
+            "",
+            r#"words = "slide a box from a shelf to a table", needs = ["the box is on the shelf"], then = ["the box is on the table"]"#,
+            vec!["the box is on the shelf"],
+        ),
+        (
+            take,
+            r#"words = "wash a box", needs = ["the robot holds the box", "the box is open"], then = ["the box is clean"]"#,
+            vec![],
+        ),
+    ] {
+        let last = format!("{{ {action} }}");
+        let actions = [earlier, &last].into_iter().filter(|own| !own.is_empty());
+        let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let actions: Vec<String> = actions.map(one_line).collect();
+        let text = format!("{kinds}action = [{}]\n", actions.join(", "));
+        let answers = Answers::read("answers.toml", &text).unwrap();
+        let last = answers.action.last().unwrap();
+        assert_eq!(super::guess_removed(&answers, last), expected, "{action}");
+    }
+}
+
 #[test]
 fn answers_that_make_no_domain_are_errors() {
     let change = |from: &str, to: &str| {
