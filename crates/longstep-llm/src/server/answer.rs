@@ -4,7 +4,7 @@ use longstep::dialogue::{Finish, Reply, Usage};
 use serde_json::Value;
 
 use super::endpoint::Kind;
-use super::event::Event;
+use super::event::{ERROR, Event};
 use super::limit::TOKENS;
 
 /// Effect of an event on the answer.
@@ -34,7 +34,10 @@ pub(super) struct Answer {
     kind: Kind,
     text: String,
     refusal: String,
-    /// Bytes of reasoning and tool calls, which are counted but not kept.
+    /// The reasoning before the answer, and the arguments of a tool call: the answer of some servers is there.
+    reasoning: String,
+    called: String,
+    /// Bytes of what is counted but not kept.
     aside: usize,
     /// Limit of bytes for text, reasoning and tool calls.
     most: usize,
@@ -48,6 +51,8 @@ impl Answer {
             kind,
             text: String::new(),
             refusal: String::new(),
+            reasoning: String::new(),
+            called: String::new(),
             aside: 0,
             most,
             finish: None,
@@ -63,16 +68,22 @@ impl Answer {
         if event.data == "[DONE]" {
             return Ok(Effect::End);
         }
-        let value: Value = serde_json::from_str(&event.data).map_err(|error| Unreadable::NoJson(error.to_string()))?;
-        if !value["error"].is_null() || (self.kind == Kind::Anthropic && event.name == "error") {
+        if event.name == ERROR {
+            return Err(Unreadable::Complaint(event.data.clone()));
+        }
+        let value = parsed(&event.data)?;
+        let value = value.get(0).unwrap_or(&value);
+        let has_failed =
+            value["choices"][0]["finish_reason"] == "error" || value["base_resp"]["status_code"].as_u64() > Some(0);
+        if !value["error"].is_null() || has_failed {
             return Err(Unreadable::Complaint(event.data.clone()));
         }
         let before = self.written();
         let ended = match self.kind {
-            Kind::Anthropic => self.add_anthropic(&value),
-            Kind::Gemini => self.add_gemini(&value),
+            Kind::Anthropic => self.add_anthropic(value),
+            Kind::Gemini => self.add_gemini(value),
             Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => {
-                self.add_openai(&value);
+                self.add_openai(value);
                 false
             }
         };
@@ -87,20 +98,43 @@ impl Answer {
         })
     }
 
+    /// True once the server has said why the answer ends; usage may follow.
+    pub(super) fn is_finished(&self) -> bool {
+        self.finish.is_some()
+    }
+
+    /// True before anything was written.
+    pub(super) fn is_blank(&self) -> bool {
+        self.written() == 0
+    }
+
     /// The reply. `full` means that the text was cut off at its limit.
-    pub(super) fn reply(self, full: bool) -> Result<Reply, &'static str> {
+    pub(super) fn reply(self, full: bool) -> Result<Reply, String> {
         let finish = match self.finish {
             _ if full => Finish::Length,
             Some(finish) => finish,
             None => Finish::Stop,
         };
-        let (text, finish) = if self.refusal.is_empty() {
-            (self.text, finish)
-        } else {
+        let is_blank = |text: &String| text.trim().is_empty();
+        let (text, finish) = if !self.refusal.is_empty() {
             (self.refusal, Finish::Refused)
+        } else if !is_blank(&self.text) {
+            (self.text, finish)
+        } else if !is_blank(&self.called) {
+            (self.called, finish)
+        } else if finish == Finish::Length && !is_blank(&self.reasoning) {
+            let tokens = match self.usage.completion_tokens {
+                0 => "all of its tokens".to_owned(),
+                tokens => format!("all of its {tokens} tokens"),
+            };
+            return Err(format!(
+                "it spent {tokens} on reasoning; turn reasoning off, or take another model"
+            ));
+        } else {
+            (self.reasoning, finish)
         };
-        if text.is_empty() && finish == Finish::Stop {
-            return Err("its message has no content");
+        if text.trim().is_empty() && finish == Finish::Stop {
+            return Err("its message has no content".to_owned());
         }
         let usage = self.usage;
         Ok(Reply {
@@ -112,12 +146,16 @@ impl Answer {
     }
 
     fn written(&self) -> usize {
-        self.text.len() + self.refusal.len() + self.aside
+        self.text.len() + self.refusal.len() + self.reasoning.len() + self.called.len() + self.aside
     }
 
     fn add_openai(&mut self, value: &Value) {
         let choice = &value["choices"][0];
-        let delta = &choice["delta"];
+        // A server that does not stream sends a message; others send both, the message with all so far.
+        let delta = match choice["delta"].is_object() {
+            true => &choice["delta"],
+            false => &choice["message"],
+        };
         match &delta["content"] {
             Value::String(text) => self.text.push_str(text),
             // The form of Mistral's reasoning models.
@@ -125,15 +163,36 @@ impl Answer {
                 Some(text) => self.text.push_str(text),
                 None => self.aside += length(&part["thinking"]),
             }),
-            _ => {}
+            Value::Null => {}
+            // Some servers read the model's text before they send it.
+            other => self.text.push_str(&other.to_string()),
         }
         if let Some(words) = delta["refusal"].as_str() {
             self.refusal.push_str(words);
         }
-        let reasoning = ["reasoning_content", "reasoning", "tool_calls"];
-        self.aside += reasoning.iter().map(|name| length(&delta[*name])).sum::<usize>();
+        // Some servers send the same words under two names.
+        let words = ["reasoning_content", "reasoning"].map(|name| delta[name].as_str().unwrap_or_default());
+        let details = delta["reasoning_details"].as_array().into_iter().flatten();
+        let details: String = details.filter_map(|part| part["text"].as_str()).collect();
+        let words = words.into_iter().chain([details.as_str()]);
+        self.reasoning
+            .push_str(words.into_iter().find(|words| !words.is_empty()).unwrap_or_default());
+        let call = &delta["tool_calls"][0]["function"]["arguments"];
+        let call = if call.is_null() {
+            &delta["function_call"]["arguments"]
+        } else {
+            call
+        };
+        match call {
+            Value::Null => self.aside += length(&delta["tool_calls"]),
+            Value::String(text) => self.called.push_str(text),
+            other => self.called.push_str(&other.to_string()),
+        }
         self.finish = finish(&choice["finish_reason"]).or(self.finish);
-        let usage = &value["usage"];
+        let usage = match value["usage"].is_object() {
+            true => &value["usage"],
+            false => &choice["usage"],
+        };
         if usage.is_object() {
             self.usage.prompt_tokens = tokens(&usage["prompt_tokens"]);
             self.usage.cached_tokens = tokens(&usage["prompt_tokens_details"]["cached_tokens"]);
@@ -175,7 +234,7 @@ impl Answer {
         }
     }
 
-    /// Returns true at the end of the answer, which only the finish reason marks.
+    /// Returns true at the end of the answer. A finish reason may come with every part.
     fn add_gemini(&mut self, value: &Value) -> bool {
         let candidate = &value["candidates"][0];
         for part in candidate["content"]["parts"].as_array().into_iter().flatten() {
@@ -198,8 +257,41 @@ impl Answer {
             return true;
         }
         self.finish = finish(&candidate["finishReason"]).or(self.finish);
-        candidate["finishReason"].is_string()
+        false
     }
+}
+
+/// Reads the data of an event. Half of a pair of UTF-16, which some servers cut apart, becomes a replacement character.
+fn parsed(data: &str) -> Result<Value, Unreadable> {
+    let error = match serde_json::from_str(data) {
+        Ok(value) => return Ok(value),
+        Err(error) => error,
+    };
+    serde_json::from_str(&without_halves(data)).map_err(|_| Unreadable::NoJson(error.to_string()))
+}
+
+fn without_halves(data: &str) -> String {
+    let unit = |at: usize| {
+        let digits = data.get(at..)?.strip_prefix("\\u")?.get(..4)?;
+        u16::from_str_radix(digits, 16).ok()
+    };
+    let (mut text, mut at) = (String::with_capacity(data.len()), 0);
+    while let Some(next) = data[at..].find("\\") {
+        let escape = at + next;
+        text.push_str(&data[at..escape]);
+        let (piece, length) = match (unit(escape), unit(escape + 6)) {
+            (Some(0xd800..0xdc00), Some(0xdc00..0xe000)) => (&data[escape..escape + 12], 12),
+            (Some(0xd800..0xe000), _) => ("\\ufffd", 6),
+            _ => {
+                let end = data[escape + 1..].chars().next().map_or(1, |own| 1 + own.len_utf8());
+                (&data[escape..escape + end], end)
+            }
+        };
+        text.push_str(piece);
+        at = escape + length;
+    }
+    text.push_str(&data[at..]);
+    text
 }
 
 /// The finish reason in the terms of any dialect.

@@ -1,6 +1,6 @@
 //! One attempt: sends a request and reads the streamed answer, with a limit on every part of it.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use longstep::dialogue::{ChatRequest, Reply};
 use reqwest::header::RETRY_AFTER;
@@ -10,10 +10,10 @@ use serde_json::Value;
 use super::answer::{Answer, Effect, Unreadable};
 use super::dialect::Dialect;
 use super::endpoint::Endpoint;
-use super::event::{Broken, EventReader};
+use super::event::{Broken, Event, EventReader};
 use super::failure::Failure;
 use super::limit::{self, COMPLAINT_BYTES, COMPLAINT_TIME};
-use super::retry::retry_after;
+use super::retry::{retry_after, wait_in_body};
 use crate::call::{self, Call, GivenUp, root};
 use crate::{AnswerLimit, ModelError, Progress, Sampling, StopFlag};
 
@@ -114,17 +114,29 @@ impl Connection {
             return Err(self.rejected(response, endpoint, call).await);
         }
         let mut incoming = Incoming::new(endpoint, request.max_tokens);
+        let mut finished: Option<Instant> = None;
         loop {
-            let part = call.wait(self.silence, response.chunk()).await;
-            let part = part
-                .map_err(|reason| self.given_up(reason, endpoint, call))?
-                .map_err(|error| Failure::Final(broken_off(endpoint, &error)))?;
-            let ended = incoming.add(part.as_deref(), tell).map_err(Failure::Final)?;
-            if ended {
-                return incoming.received().map_err(Failure::Final);
+            // After the reason why the answer ends, only usage follows. Some servers then send signs of life for ever.
+            let patience = finished.map_or(self.silence, |since| {
+                limit::AFTER_FINISH.saturating_sub(since.elapsed())
+            });
+            let part = match call.wait(patience, response.chunk()).await {
+                Err(GivenUp::Late) if finished.is_some() => return incoming.received(),
+                part => part.map_err(|reason| self.given_up(reason, endpoint, call))?,
+            };
+            let part = match part {
+                // The answer is whole, however the connection ends.
+                Err(_) if finished.is_some() => return incoming.received(),
+                part => part.map_err(|error| Failure::Final(broken_off(endpoint, &error)))?,
+            };
+            if incoming.add(part.as_deref(), tell)? {
+                return incoming.received();
             }
             if part.is_none() {
-                return Err(Failure::Final(bad(endpoint, BROKEN_OFF)));
+                return incoming.ended();
+            }
+            if incoming.answer.is_finished() {
+                finished.get_or_insert_with(Instant::now);
             }
         }
     }
@@ -148,8 +160,13 @@ impl Connection {
             // The last bytes may be the beginning of the key, which redaction would not recognize.
             body.truncate(COMPLAINT_BYTES - KEY_BYTES);
         }
-        let message = endpoint.one_line(&complaint(&String::from_utf8_lossy(&body)));
-        Failure::Rejected { status, message, wait }
+        let body = String::from_utf8_lossy(&body);
+        Failure::Rejected {
+            status,
+            message: endpoint.one_line(&complaint(&body)),
+            wait: wait.or_else(|| wait_in_body(&body)),
+            body: body.into_owned(),
+        }
     }
 
     fn given_up(&self, reason: GivenUp, endpoint: &Endpoint, call: &Call<'_>) -> Failure {
@@ -174,6 +191,7 @@ struct Incoming<'a> {
     most: u64,
     /// Number of received pieces of text.
     pieces: usize,
+    events_read: bool,
     cut: bool,
 }
 
@@ -186,15 +204,17 @@ impl<'a> Incoming<'a> {
             bytes: 0,
             most: limit::answer_bytes(max_tokens),
             pieces: 0,
+            events_read: false,
             cut: false,
         }
     }
 
     /// Adds received bytes; `None` is the end of the stream. Returns true when the answer is complete.
-    fn add(&mut self, part: Option<&[u8]>, tell: &mut dyn FnMut(Progress)) -> Result<bool, ModelError> {
+    fn add(&mut self, part: Option<&[u8]>, tell: &mut dyn FnMut(Progress)) -> Result<bool, Failure> {
         self.bytes += part.map_or(0, |part| part.len() as u64);
         if self.bytes > self.most {
-            return Err(limit::too_large(&self.endpoint.server, AnswerLimit::Bytes(self.most)));
+            let error = limit::too_large(&self.endpoint.server, AnswerLimit::Bytes(self.most));
+            return Err(Failure::Final(error));
         }
         let mut rest = part;
         loop {
@@ -202,11 +222,11 @@ impl<'a> Incoming<'a> {
                 Some(rest) => self.events.next(rest),
                 None => self.events.end(),
             };
-            let Some(event) = event.map_err(|reason| broken(self.endpoint, reason))? else {
+            let Some(event) = event.map_err(|reason| Failure::Final(broken(self.endpoint, reason)))? else {
                 return Ok(false);
             };
-            let effect = self.answer.add(&event);
-            match effect.map_err(|reason| unreadable(self.endpoint, reason))? {
+            self.events_read = true;
+            match self.effect(&event)? {
                 Effect::Nothing => {}
                 Effect::Written => {
                     // A piece is one token with most servers, and a few tokens with others.
@@ -222,9 +242,59 @@ impl<'a> Incoming<'a> {
         }
     }
 
-    fn received(self) -> Result<Received, ModelError> {
+    /// Adds an event. An error before anything was written is a rejection of the request, whatever its status.
+    fn effect(&mut self, event: &Event) -> Result<Effect, Failure> {
+        self.answer.add(event).map_err(|reason| match reason {
+            Unreadable::Complaint(body) if self.answer.is_blank() => Failure::Rejected {
+                status: 200,
+                message: self.endpoint.one_line(&complaint(&body)),
+                wait: wait_in_body(&body),
+                body,
+            },
+            reason => Failure::Final(unreadable(self.endpoint, reason)),
+        })
+    }
+
+    /// The end of the connection, before a server has said that the answer is complete.
+    fn ended(mut self) -> Result<Received, Failure> {
+        if self.answer.is_finished() {
+            return self.received();
+        }
+        if self.events_read {
+            return Err(Failure::Final(bad(self.endpoint, BROKEN_OFF)));
+        }
+        let body = self.events.stray().to_owned();
+        if body.is_empty() {
+            return Err(Failure::Unreachable(bad(self.endpoint, "its answer is empty")));
+        }
+        if !body.starts_with(['{', '[']) {
+            let reason = match body.starts_with('<') {
+                true => "it is a web page; the address of the API may end in `/v1`".to_owned(),
+                false => format!(
+                    "it is no stream of events: `{}`",
+                    self.endpoint.one_line(&start_of(&body))
+                ),
+            };
+            return Err(Failure::Final(bad(self.endpoint, &reason)));
+        }
+        // A server that does not stream.
+        let data = body.clone();
+        self.effect(&Event {
+            data,
+            ..Event::default()
+        })?;
+        match self.answer.is_blank() && !self.answer.is_finished() {
+            true => {
+                let reason = format!("it has no message: `{}`", self.endpoint.one_line(&start_of(&body)));
+                Err(Failure::Final(bad(self.endpoint, &reason)))
+            }
+            false => self.received(),
+        }
+    }
+
+    fn received(self) -> Result<Received, Failure> {
         let reply = self.answer.reply(self.cut);
-        let reply = reply.map_err(|reason| bad(self.endpoint, reason))?;
+        let reply = reply.map_err(|reason| Failure::Final(bad(self.endpoint, &reason)))?;
         Ok(Received { reply, cut: self.cut })
     }
 }
@@ -280,13 +350,38 @@ fn unreachable(endpoint: &Endpoint, reason: &str) -> ModelError {
     }
 }
 
-/// The message in a server's error body, or the whole body.
+fn start_of(body: &str) -> String {
+    body.chars().take(120).collect()
+}
+
+/// The message in a server's error body, with that of the server behind it; or the whole body.
 fn complaint(body: &str) -> String {
     let value: Option<Value> = serde_json::from_str(body).ok();
     let message = value.as_ref().and_then(|value| {
-        let error = value.get("error").unwrap_or(value);
-        let text = error.get("message").or(error.get("detail")).unwrap_or(error);
-        text.as_str()
+        let value = value.get(0).unwrap_or(value);
+        let error = value.get("error").filter(|error| !error.is_null()).unwrap_or(value);
+        let text = [
+            &error["message"],
+            &error["detail"],
+            &value["base_resp"]["status_msg"],
+            error,
+        ];
+        let text = text.into_iter().find_map(Value::as_str)?;
+        let behind = match &error["metadata"]["raw"] {
+            Value::String(raw) => complaint_behind(raw),
+            _ => None,
+        };
+        Some(behind.map_or_else(|| text.to_owned(), |behind| format!("{text}: {behind}")))
     });
-    message.unwrap_or(body).to_owned()
+    message.unwrap_or_else(|| body.to_owned())
+}
+
+/// The message of the server behind a proxy.
+fn complaint_behind(raw: &str) -> Option<String> {
+    let value: Option<Value> = serde_json::from_str(raw).ok();
+    let message = value.as_ref().and_then(|value| {
+        let error = value.get("error").unwrap_or(value);
+        error.get("message").unwrap_or(error).as_str()
+    });
+    Some(message.unwrap_or(raw).to_owned()).filter(|text| !text.trim().is_empty())
 }

@@ -32,7 +32,40 @@ pub(super) struct Dialect {
     seed: bool,
     /// True if the server reports the token usage of a streamed answer.
     usage: bool,
+    /// False if the system's words go into the first message of the user.
+    system: bool,
+    /// False for a server that answers in one piece.
+    streams: bool,
+    /// True once the other name of the token limit was tried.
+    renamed: bool,
 }
+
+/// Words by which servers and their parts complain about a JSON schema.
+const SCHEMA: [&str; 12] = [
+    "response_format",
+    "json_schema",
+    "json schema",
+    "json mode",
+    "json_object",
+    "json_validate_failed",
+    "structured output",
+    "output_config",
+    "responsejsonschema",
+    "responseschema",
+    "grammar",
+    "required for format",
+];
+
+/// Words by which servers and chat templates complain about the role of the system.
+const SYSTEM: [&str; 7] = [
+    "system role",
+    "system message",
+    "developer instruction",
+    "systeminstruction",
+    "system_instruction",
+    "only user and assistant roles",
+    "roles must alternate",
+];
 
 const NEW_LIMIT: &str = "max_completion_tokens";
 const OLD_LIMIT: &str = "max_tokens";
@@ -52,6 +85,9 @@ impl Dialect {
             top_p: true,
             seed: kind != Kind::Anthropic,
             usage: true,
+            system: true,
+            streams: true,
+            renamed: false,
         }
     }
 
@@ -70,8 +106,23 @@ impl Dialect {
     ) -> Option<(Self, Option<&'static str>)> {
         let complaint = complaint.to_lowercase();
         let names = |words: &[&str]| words.iter().any(|word| complaint.contains(word));
+        if self.usage && names(&["stream_options"]) {
+            return Some((Self { usage: false, ..self }, None));
+        }
+        if self.streams && self.may_send_whole() && names(&["stream"]) {
+            let streams = false;
+            return Some((Self { streams, ..self }, None));
+        }
+        // "Too large for the context" names the limit, and another name does not help.
+        if names(&["too large", "context length", "context size", "context window"]) {
+            return None;
+        }
+        let has_system = request.messages.iter().any(|message| message.role == Role::System);
+        if self.system && has_system && names(&SYSTEM) {
+            return Some((Self { system: false, ..self }, None));
+        }
         let has_schema = matches!(request.constraint, Constraint::JsonSchema(_)) && self.sends_schema();
-        if has_schema && names(&["response_format", "json_schema", "output_config", "responsejsonschema"]) {
+        if has_schema && names(&SCHEMA) {
             // OpenAI and Azure have no second form of a schema; other servers may.
             if self.schema == SchemaForm::Schema && matches!(self.kind, Kind::Other | Kind::Ollama) {
                 let schema = SchemaForm::Object;
@@ -80,9 +131,6 @@ impl Dialect {
             let schema = SchemaForm::Nothing;
             let warning = "the server does not support JSON schemas; continuing without one";
             return Some((Self { schema, ..self }, Some(warning)));
-        }
-        if self.usage && names(&["stream_options"]) {
-            return Some((Self { usage: false, ..self }, None));
         }
         if self.temperature && names(&["temperature"]) {
             let temperature = false;
@@ -98,15 +146,36 @@ impl Dialect {
             return Some((Self { seed: false, ..self }, Some(warning)));
         }
         let limit = match self.limit {
+            _ if self.renamed => return None,
             NEW_LIMIT if names(&[NEW_LIMIT]) => OLD_LIMIT,
             OLD_LIMIT if names(&[OLD_LIMIT]) && names(&[NEW_LIMIT]) => NEW_LIMIT,
             _ => return None,
         };
-        Some((Self { limit, ..self }, None))
+        let renamed = true;
+        Some((Self { limit, renamed, ..self }, None))
+    }
+
+    /// True if a server's complaint is about a JSON schema, whatever its status.
+    pub(super) fn is_about_schema(complaint: &str) -> bool {
+        let complaint = complaint.to_lowercase();
+        SCHEMA.iter().any(|word| complaint.contains(word))
+    }
+
+    /// True for the dialects whose answers in one piece are read.
+    fn may_send_whole(&self) -> bool {
+        matches!(self.kind, Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other)
     }
 
     /// The body of a request.
     pub(super) fn body(&self, model: &str, request: &ChatRequest, sampling: &Sampling) -> Value {
+        let merged;
+        let request = match self.system {
+            true => request,
+            false => {
+                merged = without_system(request);
+                &merged
+            }
+        };
         let schema = match &request.constraint {
             Constraint::JsonSchema(schema) if self.sends_schema() => Some(schema),
             _ => None,
@@ -135,8 +204,8 @@ impl Dialect {
         let mut body = Map::new();
         body.insert("model".into(), model.into());
         body.insert("messages".into(), messages.collect());
-        body.insert("stream".into(), true.into());
-        if self.usage {
+        body.insert("stream".into(), self.streams.into());
+        if self.usage && self.streams {
             body.insert("stream_options".into(), json!({"include_usage": true}));
         }
         body.insert(self.limit.into(), request.max_tokens.into());
@@ -194,6 +263,19 @@ struct Choice {
     temperature: Option<f64>,
     top_p: Option<f64>,
     seed: Option<u64>,
+}
+
+/// Returns the request with the words of the system at the beginning of the first message of the user.
+fn without_system(request: &ChatRequest) -> ChatRequest {
+    let (system, rest) = parted(request);
+    let mut messages: Vec<Message> = rest.cloned().collect();
+    if let (Some(system), Some(first)) = (system, messages.iter_mut().find(|own| own.role == Role::User)) {
+        first.text = format!("{system}\n\n{}", first.text);
+    }
+    ChatRequest {
+        messages,
+        ..request.clone()
+    }
 }
 
 /// Adds a field if it has a value.

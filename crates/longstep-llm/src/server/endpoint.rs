@@ -76,10 +76,16 @@ impl Endpoint {
                 None => key(&["AZURE_OPENAI_API_KEY"], &base, variable)?,
             },
         };
-        let mut endpoint = Self::new(Kind::Azure, &base, deployment, Some(key));
-        let version = variable("OPENAI_API_VERSION").unwrap_or_else(|| AZURE_VERSION.into());
+        let address = AzureAddress::of(&base);
+        let mut endpoint = Self::new(Kind::Azure, address.resource, deployment, Some(key));
         let base = &endpoint.base;
-        endpoint.chat = format!("{base}/openai/deployments/{deployment}/chat/completions?api-version={version}");
+        endpoint.chat = if address.is_v1 {
+            format!("{base}/openai/v1/chat/completions")
+        } else {
+            let version = variable("OPENAI_API_VERSION").or(address.version);
+            let version = version.unwrap_or_else(|| AZURE_VERSION.into());
+            format!("{base}/openai/deployments/{deployment}/chat/completions?api-version={version}")
+        };
         Ok(endpoint)
     }
 
@@ -195,6 +201,27 @@ impl Endpoint {
     }
 }
 
+/// An address of Azure OpenAI in one of the forms that Azure's portal shows: of the resource, of a deployment, or of the API
+/// without versions.
+struct AzureAddress<'a> {
+    resource: &'a str,
+    version: Option<String>,
+    is_v1: bool,
+}
+
+impl<'a> AzureAddress<'a> {
+    fn of(written: &'a str) -> Self {
+        let (path, query) = written.split_once('?').unwrap_or((written, ""));
+        let version = query.split('&').find_map(|part| part.strip_prefix("api-version="));
+        let (resource, rest) = path.split_once("/openai").unwrap_or((path, ""));
+        Self {
+            resource,
+            version: version.map(str::to_owned),
+            is_v1: rest == "/v1" || rest.starts_with("/v1/"),
+        }
+    }
+}
+
 /// The first of these variables that is set, as a bearer key.
 fn key(names: &[&'static str], base: &str, variable: Lookup<'_>) -> Result<Secret, ModelError> {
     let found = names.iter().find_map(|name| variable(name));
@@ -221,7 +248,9 @@ fn ollama_address(host: &str) -> String {
     let Ok(mut url) = reqwest::Url::parse(&whole) else {
         return whole;
     };
-    let named = whole
+    let authority = whole.split_once("://").map_or("", |(_, rest)| rest);
+    let authority = authority.split_once('/').map_or(authority, |(authority, _)| authority);
+    let named = authority
         .rsplit_once(':')
         .is_some_and(|(_, port)| port.parse::<u16>().is_ok());
     if !named && url.scheme() == "http" {
@@ -298,9 +327,44 @@ mod tests {
             ("box:8000", "http://box:8000"),
             ("http://box:8000/", "http://box:8000"),
             ("http://box", "http://box:11434"),
+            ("http://box:8080/ollama", "http://box:8080/ollama"),
+            ("box/ollama/", "http://box:11434/ollama"),
             ("https://ollama.example.org", "https://ollama.example.org"),
         ] {
             assert_eq!(ollama_address(written), address, "{written}");
+        }
+    }
+
+    #[test]
+    fn azure_is_found_in_each_form_that_its_portal_shows() {
+        let old = "https://r.openai.azure.com/openai/deployments/d/chat/completions?api-version=";
+        for (written, version, address) in [
+            ("https://r.openai.azure.com/", None, format!("{old}{AZURE_VERSION}")),
+            (
+                "https://r.openai.azure.com",
+                Some("2025-01-01"),
+                format!("{old}2025-01-01"),
+            ),
+            (
+                "https://r.openai.azure.com/openai/deployments/other/chat/completions?api-version=2024-08-01-preview",
+                None,
+                format!("{old}2024-08-01-preview"),
+            ),
+            (
+                "https://r.openai.azure.com/openai/v1/",
+                None,
+                "https://r.openai.azure.com/openai/v1/chat/completions".to_owned(),
+            ),
+        ] {
+            let variable = |name: &str| match name {
+                "AZURE_OPENAI_ENDPOINT" => Some(written.to_owned()),
+                "AZURE_OPENAI_API_KEY" => Some("key".to_owned()),
+                "OPENAI_API_VERSION" => version.map(str::to_owned),
+                _ => None,
+            };
+            let reference: ModelReference = "azure:d".parse().unwrap();
+            let endpoint = Endpoint::of(&reference, &variable).unwrap().unwrap();
+            assert_eq!(endpoint.chat_url(), address, "{written}");
         }
     }
 

@@ -5,8 +5,13 @@
 
 use std::str::Utf8Error;
 
-use super::limit::{EVENT_BYTES, LINES};
+use serde::de::IgnoredAny;
+
+use super::limit::{COMPLAINT_BYTES, EVENT_BYTES, LINES};
 use crate::AnswerLimit;
+
+/// The name of an event that reports an error.
+pub(super) const ERROR: &str = "error";
 
 /// An event of a stream.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -32,6 +37,8 @@ pub(super) struct EventReader {
     /// The incomplete event.
     event: Event,
     lines: u64,
+    /// The first lines that belong to no event: the body of a server that streams nothing.
+    stray: String,
     /// The last byte was a carriage return: a line feed after it belongs to the same line end.
     after_return: bool,
 }
@@ -78,12 +85,19 @@ impl EventReader {
             return Err(Broken::TooLarge(AnswerLimit::Lines(LINES)));
         }
         let line = std::mem::take(&mut self.line);
-        let text = std::str::from_utf8(&line).map_err(Broken::NoText)?.trim();
+        let text = std::str::from_utf8(&line).map_err(Broken::NoText)?;
+        let text = text.trim_start_matches('\u{feff}').trim();
         if text.is_empty() {
             return Ok(self.complete());
         }
         if let Some(data) = text.strip_prefix("data:") {
             let data = data.trim();
+            if self.is_whole() && (data.starts_with('{') || data == "[DONE]") {
+                let data = data.to_owned();
+                let whole = std::mem::take(&mut self.event);
+                self.event.data = data;
+                return Ok(Some(whole));
+            }
             if self.event.data.len() + data.len() > EVENT_BYTES {
                 return Err(Broken::TooLarge(AnswerLimit::EventBytes(EVENT_BYTES as u64)));
             }
@@ -93,8 +107,31 @@ impl EventReader {
             self.event.data.push_str(data);
         } else if let Some(name) = text.strip_prefix("event:") {
             self.event.name = name.trim().to_owned();
+        } else if let Some(error) = text.strip_prefix("error:") {
+            // The form of older llama.cpp.
+            let whole = std::mem::take(&mut self.event);
+            self.event = Event {
+                name: ERROR.to_owned(),
+                data: error.trim().to_owned(),
+            };
+            return Ok(Some(whole).filter(|event| !event.data.is_empty()));
+        } else if !text.starts_with(':') && self.stray.len() + text.len() < COMPLAINT_BYTES {
+            self.stray.push_str(text);
+            self.stray.push('\n');
         }
         Ok(None)
+    }
+
+    /// Returns true if the data so far are a whole event: some servers write one line end between events.
+    fn is_whole(&self) -> bool {
+        const MOST: usize = 16 << 10;
+        let data = &self.event.data;
+        data.ends_with('}') && data.len() <= MOST && serde_json::from_str::<IgnoredAny>(data).is_ok()
+    }
+
+    /// The beginning of what was no event.
+    pub(super) fn stray(&self) -> &str {
+        self.stray.trim()
     }
 
     fn complete(&mut self) -> Option<Event> {
@@ -132,6 +169,17 @@ mod tests {
             ("data: a\n", vec![("", "a")]),
             ("data: [DONE]", vec![("", "[DONE]")]),
             ("<html>hello</html>", vec![]),
+            ("\u{feff}data: a\n\n", vec![("", "a")]),
+            // One line end between events, and an event of two lines.
+            (
+                "data: {\"a\":1}\ndata: {\"b\":2}\ndata: [DONE]\n\n",
+                vec![("", "{\"a\":1}"), ("", "{\"b\":2}"), ("", "[DONE]")],
+            ),
+            ("data: {\"a\":\ndata: 1}\n\n", vec![("", "{\"a\":\n1}")]),
+            (
+                "error: {\"code\":400}\n\ndata: [DONE]\n\n",
+                vec![("error", "{\"code\":400}"), ("", "[DONE]")],
+            ),
             ("", vec![]),
         ] {
             let expected: Vec<(String, String)> = expected

@@ -22,6 +22,9 @@ pub(super) const LINES: u64 = 500_000;
 pub(super) const COMPLAINT_BYTES: usize = 64 << 10;
 pub(super) const COMPLAINT_TIME: Duration = Duration::from_secs(5);
 
+/// Longest wait for what follows the reason why an answer ends.
+pub(super) const AFTER_FINISH: Duration = Duration::from_secs(3);
+
 /// Bytes and time for the answer to a request besides the chat.
 pub(super) const QUESTION_BYTES: usize = 4 << 20;
 pub(super) const QUESTION_TIME: Duration = Duration::from_secs(2);

@@ -19,7 +19,9 @@ mod secret;
 
 use std::cell::{OnceCell, RefCell};
 
-use longstep::dialogue::{ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, TokenCounter};
+use longstep::dialogue::{
+    ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, TokenCounter, object_text,
+};
 
 use crate::call::{Call, GivenUp};
 use crate::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, Watch};
@@ -121,9 +123,11 @@ impl ChatModel for ServerModel {
         let stopped = || flag.is_set() || watch.borrow().stop();
         let call = Call::new(self.connection.timeout, &stopped);
         let mut tell = |progress: Progress| watch.borrow_mut().tell(progress);
-        for _ in 0..CHANGES {
+        let mut changes = 0;
+        loop {
             let failure = match self.try_often(request, &call, &mut tell) {
                 Ok(mut received) => {
+                    tidy(&mut received.reply, request);
                     // Sessions and recordings keep replies.
                     received.reply.text = self.endpoint.without_keys(&received.reply.text);
                     self.look_at(&received, request, &mut tell);
@@ -131,8 +135,9 @@ impl ChatModel for ServerModel {
                 }
                 Err(failure) => failure,
             };
+            changes += 1;
             // Omits the rejected parameters from now on, one at a time.
-            if let Some((dialect, warning)) = self.smaller(&failure, request) {
+            if let Some((dialect, warning)) = self.smaller(&failure, request).filter(|_| changes < CHANGES) {
                 self.dialect = dialect;
                 if let Some(warning) = warning {
                     tell(Progress::Warning(warning.into()));
@@ -148,7 +153,6 @@ impl ChatModel for ServerModel {
                 Failure::Final(error) | Failure::Unreachable(error) => error,
             });
         }
-        Err(self.unsupported("the server rejects every form of the request"))
     }
 
     fn context_tokens(&self) -> Option<u64> {
@@ -163,7 +167,25 @@ impl ChatModel for ServerModel {
                 reported
             }
         };
-        reported.or(self.given_context)
+        self.given_context.or(reported)
+    }
+}
+
+/// Leaves the JSON object of an answer, without what servers and models write around it.
+fn tidy(reply: &mut Reply, request: &ChatRequest) {
+    let Constraint::JsonSchema(_) = &request.constraint else {
+        return;
+    };
+    if reply.finish == Finish::Length {
+        // Some models fill the rest of an answer with blanks.
+        let is_whole = reply.text.ends_with(char::is_whitespace) && reply.text.trim_end().ends_with('}');
+        if !is_whole || object_text(&reply.text).is_none() {
+            return;
+        }
+        reply.finish = Finish::Stop;
+    }
+    if let Some(object) = object_text(&reply.text).filter(|_| reply.finish == Finish::Stop) {
+        reply.text = object;
     }
 }
 
@@ -229,12 +251,19 @@ impl ServerModel {
     /// The dialect without a rejected parameter, and a warning; `None` if the failure names no parameter that can be
     /// omitted.
     fn smaller(&self, failure: &Failure, request: &ChatRequest) -> Option<(Dialect, Option<&'static str>)> {
-        let Failure::Rejected { status, message, .. } = failure else {
+        let Failure::Rejected {
+            status, message, body, ..
+        } = failure
+        else {
             return None;
         };
-        // llama-cpp-python reports an invalid request with status 500.
-        let rejected = matches!(status, 400 | 422) || (*status == 500 && message.contains("validation error"));
-        let smaller = || self.dialect.without(message, request, &self.sampling);
+        // Some servers report an invalid request, or a schema that they cannot follow, with status 500.
+        let is_invalid = || message.contains("validation error") || Dialect::is_about_schema(body);
+        let rejected = matches!(status, 200 | 400 | 403 | 404 | 422) || (*status == 500 && is_invalid());
+        let smaller = || {
+            let by_message = self.dialect.without(message, request, &self.sampling);
+            by_message.or_else(|| self.dialect.without(body, request, &self.sampling))
+        };
         rejected.then(smaller).flatten()
     }
 

@@ -26,9 +26,15 @@ pub(super) fn context(endpoint: &Endpoint, connection: &Connection) -> Option<u6
             })
         }
         Kind::Ollama => {
-            let body = json!({"model": endpoint.model});
-            let about: About = ask(endpoint, connection, "/api/show", Some(body))?;
-            about.context()
+            let loaded: Option<Loaded> = ask(endpoint, connection, "/api/ps", None);
+            let ours =
+                |own: &LoadedModel| own.name == endpoint.model || own.name == format!("{}:latest", endpoint.model);
+            let loaded = loaded.and_then(|own| own.models.into_iter().find(ours)?.context_length);
+            loaded.or_else(|| {
+                let body = json!({"model": endpoint.model});
+                let about: About = ask(endpoint, connection, "/api/show", Some(body))?;
+                about.context()
+            })
         }
         Kind::OpenAi | Kind::Azure | Kind::Anthropic | Kind::Gemini => None,
     };
@@ -59,7 +65,24 @@ struct ModelEntry {
     max_model_len: Option<u64>,
 }
 
-/// Ollama's answer.
+/// Ollama's answer about the models in memory.
+#[derive(Deserialize)]
+struct Loaded {
+    #[serde(default)]
+    models: Vec<LoadedModel>,
+}
+
+#[derive(Deserialize)]
+struct LoadedModel {
+    #[serde(default)]
+    name: String,
+    context_length: Option<u64>,
+}
+
+/// Context with which Ollama loads a model unless it is told otherwise.
+const OLLAMA_DEFAULT: u64 = 4096;
+
+/// Ollama's answer about a model.
 #[derive(Deserialize)]
 struct About {
     #[serde(default)]
@@ -120,7 +143,8 @@ impl<'de> Visitor<'de> for WholeVisitor {
 }
 
 impl About {
-    /// The configured context (`num_ctx 8192` in a list of parameters), else the context of the model's training.
+    /// The configured context (`num_ctx 8192` in a list of parameters), else the one with which Ollama loads a model of this
+    /// training.
     fn context(&self) -> Option<u64> {
         let configured = self.parameters.lines().find_map(|line| {
             let (name, value) = line.trim().split_once(char::is_whitespace)?;
@@ -128,7 +152,7 @@ impl About {
         });
         let mut sizes = self.model_info.iter();
         let trained = sizes.find(|(name, _)| name.ends_with(".context_length"));
-        configured.or_else(|| trained?.1.0)
+        configured.or_else(|| Some(trained?.1.0?.min(OLLAMA_DEFAULT)))
     }
 }
 

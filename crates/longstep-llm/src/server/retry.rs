@@ -37,9 +37,46 @@ pub(super) fn retry_after(value: &HeaderValue) -> Option<Duration> {
     Some(date.duration_since(SystemTime::now()).unwrap_or_default())
 }
 
+/// The wait that an error body names: Gemini's `retryDelay`, or words such as "try again in 2.77s".
+pub(super) fn wait_in_body(body: &str) -> Option<Duration> {
+    let body = body.to_lowercase();
+    let after = ["\"retrydelay\"", "try again in", "retry in", "retry after"];
+    let found = after
+        .into_iter()
+        .find_map(|words| Some(&body[body.find(words)? + words.len()..]))?;
+    let number = found.trim_start_matches([':', ' ', '"']);
+    let end = number
+        .find(|own: char| !own.is_ascii_digit() && own != '.')
+        .unwrap_or(number.len());
+    let (number, unit) = number.split_at(end);
+    let factor = match unit.trim_start() {
+        unit if unit.starts_with("ms") || unit.starts_with("millisecond") => 0.001,
+        unit if unit.starts_with('s') => 1.0,
+        unit if unit.starts_with('m') => 60.0,
+        _ => return None,
+    };
+    Duration::try_from_secs_f64(number.trim_end_matches('.').parse::<f64>().ok()? * factor).ok()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_body_says_how_long() {
+        for (body, milliseconds) in [
+            (r#"{"details": [{"retryDelay": "3.016342224s"}]}"#, Some(3016)),
+            ("Rate limit reached. Please try again in 2.77s. Visit", Some(2770)),
+            ("Please retry in 120ms.", Some(120)),
+            ("try again in 20 seconds", Some(20_000)),
+            ("try again in 1m", Some(60_000)),
+            ("try again in a while", None),
+            ("try again later", None),
+            ("", None),
+        ] {
+            assert_eq!(wait_in_body(body).map(|own| own.as_millis()), milliseconds, "{body}");
+        }
+    }
 
     #[test]
     fn a_server_says_how_long_in_seconds_or_by_a_date() {
@@ -63,6 +100,7 @@ mod tests {
             status,
             message: String::new(),
             wait,
+            body: String::new(),
         };
         let milliseconds = |failure: &Failure, tries| pause(failure, tries).map(|pause| pause.as_millis());
         for status in [408, 429, 500, 503] {

@@ -299,16 +299,22 @@ fn an_answer_that_is_no_answer_is_an_error() {
     let events = sse(&[says("{\"goal\""), ends("stop")]);
     let unmarked = events.strip_suffix("data: [DONE]\n\n").unwrap();
     let early = "it ended early";
+    let begun = sse(&[says("{\"goal\"")]);
+    let begun = begun.strip_suffix("data: [DONE]\n\n").unwrap();
     for (body, expected) in [
-        (&b"<html>hello</html>"[..], early),
-        (b"{\"choices\": []}", early),
+        (
+            &b"<html>hello</html>"[..],
+            "a web page; the address of the API may end in `/v1`",
+        ),
+        (b"hello", "no stream of events: `hello`"),
+        (b"{\"choices\": []}", "no message"),
         (b"data: {\"choices\": [\n\n", "not JSON: EOF"),
         (b"data: [DONE]\n\n", "no content"),
         (b"data: \xff\xfe\n\n", "utf-8"),
-        (unmarked.as_bytes(), early),
+        (begun.as_bytes(), early),
         (
-            b"data: {\"error\": {\"message\": \"out of memory\"}}\n\n",
-            "out of memory",
+            b"data: {\"choices\": [{\"delta\": {\"reasoning\": \"Hm.\"}, \"finish_reason\": \"length\"}]}\n\n",
+            "on reasoning",
         ),
     ] {
         let error = ask(vec![answer("200 OK", &[], body)]).0.unwrap_err();
@@ -318,9 +324,133 @@ fn an_answer_that_is_no_answer_is_an_error() {
             "{error}"
         );
     }
-    let cut = announced("200 OK", &[], events.len() + 1, unmarked.as_bytes());
+    let cut = announced("200 OK", &[], begun.len() + 1, begun.as_bytes());
     let (outcome, _, requests) = ask(vec![cut]);
     assert!(outcome.unwrap_err().to_string().contains(early));
+    assert_eq!(requests.len(), 1);
+    // An answer that says why it ends is whole, however the connection ends.
+    for whole in [
+        answer("200 OK", &[], unmarked.as_bytes()),
+        announced("200 OK", &[], events.len() + 1, unmarked.as_bytes()),
+    ] {
+        assert_eq!(ask(vec![whole]).0.unwrap().text, "{\"goal\"");
+    }
+    // An error before the answer is one of the request; an answer without a byte is asked for again.
+    let error = b"data: {\"error\": {\"message\": \"out of memory\"}}\n\n";
+    let (outcome, _, _) = ask(vec![answer("200 OK", &[], error)]);
+    let error = outcome.unwrap_err();
+    assert!(matches!(error, ModelError::Status { status: 200, .. }) && error.to_string().contains("out of memory"));
+    let (outcome, _, requests) = ask(vec![
+        answer("200 OK", &[], b""),
+        answer("200 OK", &[], events.as_bytes()),
+    ]);
+    assert_eq!((outcome.unwrap().text.as_str(), requests.len()), ("{\"goal\"", 2));
+}
+
+/// What servers really send, each with the answer that is meant.
+#[test]
+fn an_answer_is_found_where_a_server_has_put_it() {
+    let object = r#"{"question":"","goals":["put(juice, shelf top)"]}"#;
+    let part = |delta: Value| json!({"choices": [{"delta": delta, "finish_reason": null}]}).to_string();
+    let end = || json!({"choices": [{"delta": {}, "finish_reason": "stop"}]}).to_string();
+    let escaped = object.replace('"', "\\\"");
+    let stream = |parts: &[String]| {
+        sse(&parts
+            .iter()
+            .cloned()
+            .map(|own| serde_json::from_str(&own).unwrap())
+            .collect::<Vec<Value>>())
+    };
+    let called = json!({"tool_calls": [{"function": {"name": "answer", "arguments": object}}]});
+    for (name, body) in [
+        ("plain", stream(&[part(json!({"content": object})), end()])),
+        ("thoughts", stream(&[part(json!({"content": format!("<think>So.</think>\n\n{object}")})), end()])),
+        ("no thoughts", stream(&[part(json!({"content": format!("<think></think>{object}")})), end()])),
+        ("reasoning", stream(&[part(json!({"reasoning_content": object})), end()])),
+        ("reasoning twice", stream(&[part(json!({"reasoning": object, "reasoning_content": object})), end()])),
+        ("details", stream(&[part(json!({"reasoning_details": [{"text": object}]})), end()])),
+        ("call", stream(&[part(called.clone()), end()])),
+        ("fence", stream(&[part(json!({"content": format!("```json\n{object}\n```")})), end()])),
+        ("words", stream(&[part(json!({"content": format!("Sure! {object} Anything else?")})), end()])),
+        ("object", stream(&[part(json!({"content": serde_json::from_str::<Value>(object).unwrap()})), end()])),
+        ("message", stream(&[json!({"choices": [{"message": {"content": object}, "finish_reason": "stop"}]}).to_string()])),
+        ("both", stream(&[json!({"choices": [{"delta": {"content": object}, "message": {"content": object}, "finish_reason": "stop"}]}).to_string()])),
+        ("whole", json!({"choices": [{"message": {"content": object}, "finish_reason": "stop"}]}).to_string()),
+        ("blanks before", format!("\n\n{}", json!({"choices": [{"message": {"content": object}}]}))),
+        ("half a character", format!("data: {{\"choices\": [{{\"delta\": {{\"reasoning\": \"\\ud83d\"}}}}]}}\n\ndata: {{\"choices\": [{{\"delta\": {{\"content\": \"{escaped}\"}}, \"finish_reason\": \"stop\"}}]}}\n\n")),
+        ("order mark", format!("\u{feff}{}", stream(&[part(json!({"content": object})), end()]))),
+    ] {
+        let (outcome, _, requests) = ask(vec![answer("200 OK", &[], body.as_bytes())]);
+        let text = outcome.unwrap_or_else(|error| panic!("{name}: {error}")).text;
+        let found: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{name}: {error}: {text}"));
+        assert_eq!(found, serde_json::from_str::<Value>(object).unwrap(), "{name}");
+        assert_eq!(requests.len(), 1, "{name}");
+    }
+}
+
+/// Complaints about the request, after which a smaller one has the answer.
+#[test]
+fn what_a_server_does_not_support_is_left_out() {
+    for (status, complaint, changed) in [
+        (
+            "400 Bad Request",
+            r#"{"error": {"message": "Json mode is not supported for this model."}}"#,
+            "response_format",
+        ),
+        (
+            "400 Bad Request",
+            r#"{"error": {"message": "The provided JSON schema contains features not supported by xgrammar."}}"#,
+            "response_format",
+        ),
+        (
+            "400 Bad Request",
+            r#"{"error": {"message": "Failed to generate JSON.", "code": "json_validate_failed"}}"#,
+            "response_format",
+        ),
+        (
+            "500 Internal Server Error",
+            r#"{"error": {"message": "failed to load model vocabulary required for format"}}"#,
+            "response_format",
+        ),
+        ("200 OK", r#"{"error": "failed to parse grammar"}"#, "response_format"),
+        (
+            "400 Bad Request",
+            r#"{"error": {"message": "Provider returned error", "metadata": {"raw": "{\"error\": {\"message\": \"response_format is not available\"}}"}}}"#,
+            "response_format",
+        ),
+        (
+            "400 Bad Request",
+            r#"{"error": {"message": "\"stream=true\" with structured outputs is currently not supported"}}"#,
+            "stream",
+        ),
+        (
+            "400 Bad Request",
+            r#"{"error": {"message": "Your organization must be verified to stream this model."}}"#,
+            "stream",
+        ),
+        (
+            "400 Bad Request",
+            r#"[{"error": {"message": "Developer instruction is not enabled for models/gemma-3-27b-it"}}]"#,
+            "messages",
+        ),
+        (
+            "400 Bad Request",
+            r#"{"error": {"message": "System role not supported"}}"#,
+            "messages",
+        ),
+    ] {
+        let (outcome, _, requests) = ask(vec![answer(status, &[], complaint.as_bytes()), success()]);
+        assert!(outcome.is_ok(), "{complaint}: {:?}", outcome.err());
+        let (first, last) = (body(&requests[0]), body(requests.last().unwrap()));
+        assert_ne!(first[changed], last[changed], "{complaint}");
+    }
+    // The server says that the context is too small, in words that name both limits.
+    let (outcome, _, requests) = ask(vec![answer(
+        "400 Bad Request",
+        &[],
+        br#"{"error": {"message": "'max_tokens' or 'max_completion_tokens' is too large: 50. This model's maximum context length is 40 tokens"}}"#,
+    )]);
+    assert!(outcome.unwrap_err().to_string().contains("maximum context length"));
     assert_eq!(requests.len(), 1);
 }
 
@@ -554,9 +684,26 @@ fn servers_are_asked_for_tokens_and_context() {
     ]);
     assert_eq!(model(&server, Kind::Other).context_tokens(), Some(2048));
     // Ollama
-    let server = TestServer::new(vec![json(json!({"parameters": "stop \"x\"\nnum_ctx    16384",
-        "model_info": {"qwen2.context_length": 32768}}))]);
-    assert_eq!(model(&server, Kind::Ollama).context_tokens(), Some(16384));
+    let configured =
+        json!({"parameters": "stop \"x\"\nnum_ctx    16384", "model_info": {"qwen2.context_length": 32768}});
+    let trained = json!({"model_info": {"qwen2.context_length": 32768}});
+    let loaded = json!({"models": [{"name": "m:latest", "context_length": 8192}]});
+    for (answers, expected) in [
+        (vec![missing(), json(configured)], 16384),
+        // Ollama loads a model with a small context unless it is told otherwise.
+        (vec![missing(), json(trained)], 4096),
+        (vec![json(loaded)], 8192),
+    ] {
+        let server = TestServer::new(answers);
+        assert_eq!(model(&server, Kind::Ollama).context_tokens(), Some(expected));
+    }
+    // What the person says counts before what a server says.
+    let server = TestServer::new(vec![json(json!({"default_generation_settings": {"n_ctx": 4096}}))]);
+    let given = OpenOptions {
+        context_tokens: Some(1234),
+        ..options()
+    };
+    assert_eq!(model_with(&server, Kind::Other, &given).context_tokens(), Some(1234));
     // A server without any of these endpoints.
     let server = TestServer::new(vec![missing(), missing(), missing(), missing()]);
     let given = OpenOptions {

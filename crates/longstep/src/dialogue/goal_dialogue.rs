@@ -401,10 +401,8 @@ impl GoalDialogue {
     fn supply_whole(&mut self, text: &str) -> Result<Option<Understanding>, DialogueError> {
         #[derive(Deserialize)]
         struct Answer {
-            #[serde(default)]
-            question: String,
-            #[serde(default)]
-            goals: Vec<String>,
+            question: Option<String>,
+            goals: Option<Vec<String>>,
             #[serde(default)]
             never: Vec<String>,
             #[serde(default)]
@@ -416,13 +414,19 @@ impl GoalDialogue {
             kind: Gap,
         }
         let answer: Answer = object(text)?;
-        if !answer.question.trim().is_empty() {
-            return Ok(Some(self.asks(answer.question.trim().to_owned(), None)));
+        if answer.question.is_none() && answer.goals.is_none() && answer.never.is_empty() {
+            return Err(DialogueError::Unreadable(
+                "it has neither `goals` nor a `question`".to_owned(),
+            ));
+        }
+        let question = answer.question.unwrap_or_default();
+        if !question.trim().is_empty() {
+            return Ok(Some(self.asks(question.trim().to_owned(), None)));
         }
         let left_out = answer.not_represented.into_iter().take(GOAL_LIMIT);
         self.left_out = left_out.map(|part| (plain_line(&part.text), part.kind)).collect();
         let known = self.facts.iter().map(|fact| fact.everyday(&self.world));
-        let goals = answer.goals.into_iter().take(GOAL_LIMIT);
+        let goals = answer.goals.into_iter().flatten().take(GOAL_LIMIT);
         let never = answer.never.into_iter().take(GOAL_LIMIT);
         let never = never.map(|goal| format!("{}{goal}", goal::NEVER));
         let parts: Vec<String> = known.chain(goals).chain(never).collect();

@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Picture, Reply, Role, Task, Usage};
+use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Picture, Reply, Role, Task, Usage, object_text};
 use crate::goal::GoalError;
 
 /// A dialogue with a model about one matter: requests, and the replies to them.
@@ -160,13 +160,8 @@ pub(crate) fn whole(reply: &Reply) -> Result<(), DialogueError> {
 ///
 /// The text is no such object.
 pub(crate) fn object<T: DeserializeOwned>(text: &str) -> Result<T, DialogueError> {
-    // Servers that ignore the schema may add a code fence.
-    let bare = text
-        .trim()
-        .trim_start_matches("```json")
-        .trim_start_matches("```")
-        .trim_end_matches("```");
-    serde_json::from_str(bare.trim())
+    let bare = object_text(text);
+    serde_json::from_str(bare.as_deref().unwrap_or(text.trim()))
         .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))
 }
 
