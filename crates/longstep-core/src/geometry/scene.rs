@@ -1,8 +1,9 @@
 //! Scene files: boxes, hands and tolerances.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Deserialize;
 
+use super::forms::{Orientation, QuaternionOrder, detections, vector};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::environment::Words;
 use crate::json::{Locator, Path};
@@ -33,21 +34,29 @@ pub struct Scene {
     /// The tolerances of the relations.
     #[serde(default)]
     pub tolerances: Tolerances,
+    /// The order of the numbers in orientations that are lists.
+    #[serde(default)]
+    pub quaternions: Option<QuaternionOrder>,
 }
 
 /// A named box.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// The identifier in the environment.
+    /// The identifier in the environment. Names without brackets that several boxes have are numbered.
     pub name: String,
     /// The centre.
+    #[serde(deserialize_with = "vector")]
     pub position: Vector,
-    /// The orientation as a quaternion: w, x, y, z.
-    #[serde(default = "level")]
-    pub orientation: [f64; 4],
+    /// The orientation; by default the box is parallel to the axes.
+    #[serde(default)]
+    pub orientation: Orientation,
     /// The lengths of the edges along the axes of the box.
+    #[serde(deserialize_with = "vector")]
     pub size: Vector,
+    /// How sure a detector is; nothing depends on it.
+    #[serde(default, alias = "confidence")]
+    pub score: Option<f64>,
     /// The list of the environment. By default what is on, in or held by something is an object.
     #[serde(default)]
     pub kind: Option<Kind>,
@@ -72,10 +81,6 @@ pub struct Body {
     /// Further states in the words of the domain.
     #[serde(default)]
     pub states: Vec<String>,
-}
-
-fn level() -> [f64; 4] {
-    [1.0, 0.0, 0.0, 0.0]
 }
 
 /// The list of an environment.
@@ -155,17 +160,27 @@ impl Scene {
     ///
     /// The first place where the text is not JSON in this form; otherwise all numbers and names that no scene can have.
     pub fn parse(file: &str, text: &str) -> Result<Self, Diagnostics> {
-        let scene: Self = serde_json::from_str(text).map_err(|error| {
+        let is_detections = text.contains("\"detections\"") && !text.contains("\"boxes\"");
+        let read = match is_detections {
+            true => detections(text),
+            false if text.trim_start().starts_with('[') => serde_json::from_str(text).map(Self::of),
+            false => serde_json::from_str(text),
+        };
+        let mut scene: Self = read.map_err(|error| {
             let (line, column) = (error.line() as u32, error.column().max(1) as u32);
             let full = error.to_string();
             let message = full
                 .strip_suffix(&format!(" at line {line} column {}", error.column()))
                 .unwrap_or(&full);
-            let hint = "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/seeing.md";
+            let hint = match text.contains("\"x1\"") || text.contains("xyxy") || text.contains("xywh") {
+                true => "boxes of a picture, in pixels, have no pose; give each a `position` and a `size` in metres, or pass the picture; see docs/seeing.md",
+                false => "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/seeing.md",
+            };
             Diagnostics(vec![
                 Diagnostic::at(file, Position { line, column }, message).hint(hint),
             ])
         })?;
+        scene.number_names();
         let mut check = Check {
             file,
             locator: Locator::new(text),
@@ -178,13 +193,56 @@ impl Scene {
         }
     }
 
-    /// Returns the scene with orientations of length 1.
+    fn of(boxes: Vec<Body>) -> Self {
+        Self {
+            boxes,
+            ..Self::default()
+        }
+    }
+
+    /// Numbers names without brackets that several boxes have: detectors name classes.
+    fn number_names(&mut self) {
+        let mut counts: FxHashMap<String, (usize, usize)> = FxHashMap::default();
+        for body in &self.boxes {
+            counts.entry(body.name.clone()).or_default().0 += 1;
+        }
+        for body in self.boxes.iter_mut().filter(|body| !body.name.starts_with('<')) {
+            if let Some((2.., number)) = counts.get_mut(&body.name) {
+                *number += 1;
+                body.name = format!("{} {number}", body.name);
+            }
+        }
+    }
+
+    /// Returns the scene with orientations of length 1, in the order w, x, y, z.
     fn normalized(mut self) -> Self {
         for body in &mut self.boxes {
-            let length = length(&body.orientation);
-            body.orientation = body.orientation.map(|part| part / length);
+            let parts = body.orientation.ordered(self.quaternions).parts;
+            let length = length(&parts);
+            body.orientation = Orientation::new(parts.map(|part| part / length));
         }
         self
+    }
+}
+
+impl Body {
+    /// A box without a place and a size.
+    pub(super) fn named(name: String) -> Self {
+        Self {
+            name,
+            position: [0.0; 3],
+            orientation: Orientation::default(),
+            size: [0.0; 3],
+            score: None,
+            kind: None,
+            type_name: None,
+            part_of: None,
+            solid: false,
+            open: None,
+            joint: None,
+            properties: Vec::new(),
+            states: Vec::new(),
+        }
     }
 }
 
@@ -222,8 +280,12 @@ impl Check<'_> {
                 let message = format!("an edge is {SHORTEST} to {FARTHEST} m long");
                 self.report(&path.push("size"), message);
             }
-            if !(0.99..=1.01).contains(&length(&body.orientation)) {
-                let message = "an orientation is a quaternion w, x, y, z of length 1";
+            if !(0.99..=1.01).contains(&length(&body.orientation.parts)) {
+                let message = "an orientation is a quaternion of length 1";
+                self.report(&path.push("orientation"), message);
+            } else if body.orientation.is_listed && scene.quaternions.is_none() {
+                let message = "a list does not say which number is w; write {\"w\": 1, \"x\": 0, \"y\": 0, \"z\": 0}, or \
+                               \"quaternions\": \"wxyz\" or \"xyzw\" beside `boxes`";
                 self.report(&path.push("orientation"), message);
             }
             if let Some(whole) = &body.part_of

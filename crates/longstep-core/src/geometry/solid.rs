@@ -33,7 +33,7 @@ pub(super) struct Solid {
 
 impl Solid {
     pub(super) fn of(body: &Body) -> Self {
-        let [w, x, y, z] = body.orientation;
+        let [w, x, y, z] = body.orientation.parts;
         let axes = [
             [
                 1.0 - 2.0 * (y * y + z * z),

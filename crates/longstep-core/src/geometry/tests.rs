@@ -17,18 +17,9 @@ fn look_at(text: &str) -> Look {
 
 fn body(name: &str, position: [f64; 3], size: [f64; 3]) -> Body {
     Body {
-        name: name.to_owned(),
         position,
-        orientation: [1.0, 0.0, 0.0, 0.0],
         size,
-        kind: None,
-        type_name: None,
-        part_of: None,
-        solid: false,
-        open: None,
-        joint: None,
-        properties: Vec::new(),
-        states: Vec::new(),
+        ..Body::named(name.to_owned())
     }
 }
 
@@ -76,7 +67,7 @@ fn relations_follow_from_poses() {
         ),
         // Lying: turned by 90 degrees about x, so that its length of 0.3 m is along y.
         (
-            r#"{"name": "<can>", "position": [0, 0, 0.85], "size": [0.1, 0.1, 0.3], "orientation": [0.7071, 0.7071, 0, 0]}"#,
+            r#"{"name": "<can>", "position": [0, 0, 0.85], "size": [0.1, 0.1, 0.3], "orientation": {"w": 0.7071, "x": 0.7071, "y": 0, "z": 0}}"#,
             "",
             "<can>",
             "on_something(<table>)",
@@ -288,8 +279,8 @@ fn impossible_scenes_are_errors_with_their_place() {
     for (text, expected) in [
         (String::new(), "boxes.json:1:1: EOF while parsing a value"),
         (
-            "[]".to_owned(),
-            "boxes.json:1:2: invalid length 0, expected struct Scene",
+            "[1]".to_owned(),
+            "boxes.json:1:2: invalid type: integer `1`, expected struct Body",
         ),
         (
             r#"{"boxes": [{"name": "<cup>"}]}"#.to_owned(),
@@ -311,7 +302,19 @@ fn impossible_scenes_are_errors_with_their_place() {
         (cup(r#""position": [0, 0, 0], "size": [1, -1, 1]"#), "boxes[0].size"),
         (
             cup(r#""position": [0, 0, 0], "size": [1, 1, 1], "orientation": [0, 0, 0, 0]"#),
-            "a quaternion w, x, y, z of length 1",
+            "a quaternion of length 1",
+        ),
+        (
+            cup(r#""position": [0, 0, 0], "size": [1, 1, 1], "orientation": [0, 0, 0, 1]"#),
+            "boxes[0].orientation: a list does not say which number is w",
+        ),
+        (
+            cup(r#""position": {"x": 0, "y": 0}, "size": [1, 1, 1]"#),
+            "missing field `z`",
+        ),
+        (
+            r#"[{"name": "cup", "box": {"x1": 210.0, "y1": 150.3, "x2": 260.4, "y2": 230.9}}]"#.to_owned(),
+            "boxes of a picture, in pixels, have no pose",
         ),
         (
             cup(r#""position": [0, 0, 0], "size": [1, 1, 1], "part_of": "<cup>""#),
@@ -341,7 +344,7 @@ fn impossible_scenes_are_errors_with_their_place() {
             r#"{"boxes": [], "tolerances": {"contact": 0}}"#.to_owned(),
             "tolerances.contact: a tolerance is above 0 and at most 1",
         ),
-        ("[".repeat(100_000), "boxes.json:1:3: invalid type"),
+        ("[".repeat(100_000), "boxes.json:1:2: invalid type"),
     ] {
         let error = Scene::parse("boxes.json", &text).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}\n{expected}");
@@ -608,7 +611,7 @@ impl Made {
             body.position = [x + noise[0], y + noise[1], z + noise[2]];
             // Written with another sign, it is the same orientation.
             let sign = if dice.below(2) == 0 { -1.0 } else { 1.0 };
-            body.orientation = [sign * (turn / 2.0).cos(), 0.0, 0.0, sign * (turn / 2.0).sin()];
+            body.orientation = Orientation::new([sign * (turn / 2.0).cos(), 0.0, 0.0, sign * (turn / 2.0).sin()]);
         }
         for hand in &mut self.scene.hands {
             hand.position = turned(hand.position);
@@ -651,8 +654,56 @@ proptest! {
             let orientation = if length > 1e-3 { finite.map(|own| own / length) } else { [1.0, 0.0, 0.0, 0.0] };
             serde_json::json!({"name": format!("b{index}"), "position": position, "size": size, "orientation": orientation})
         }).collect();
-        let text = serde_json::json!({"boxes": boxes}).to_string();
+        let text = serde_json::json!({"boxes": boxes, "quaternions": "wxyz"}).to_string();
         let scene = Scene::parse("boxes.json", &text).unwrap();
         look(&household(), &scene).unwrap();
     }
+}
+
+/// The same quarter turn in every form in which others write it.
+#[test]
+fn a_pose_is_read_in_every_form_that_says_what_it_means() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let cup = |orientation: &str, more: &str| {
+        format!(
+            r#"{{"boxes": [{{"name": "cup", "position": {{"x": 1, "y": 2, "z": 3}}, "size": {{"x": 1, "y": 1, "z": 1}},
+                "orientation": {orientation}, "score": 0.9}}]{more}}}"#
+        )
+    };
+    let detection = r#"{"header": {"frame_id": "map"}, "detections": [{"id": "8",
+        "results": [{"hypothesis": {"class_id": "mug", "score": 0.2}}, {"hypothesis": {"class_id": "cup", "score": 0.8}}],
+        "bbox": {"center": {"position": {"x": 1, "y": 2, "z": 3}, "orientation": {"x": 0, "y": 0, "z": 0.70710678, "w": 0.70710678}},
+            "size": {"x": 1, "y": 1, "z": 1}}}]}"#;
+    for text in [
+        cup(r#"{"w": 0.70710678, "x": 0, "y": 0, "z": 0.70710678}"#, ""),
+        cup("[0.70710678, 0, 0, 0.70710678]", r#", "quaternions": "wxyz""#),
+        cup("[0, 0, 0.70710678, 0.70710678]", r#", "quaternions": "xyzw""#),
+        detection.to_owned(),
+    ] {
+        let scene = Scene::parse("boxes.json", &text).unwrap();
+        let [cup] = &scene.boxes[..] else { panic!("{text}") };
+        assert_eq!(
+            (cup.name.as_str(), cup.position, cup.size),
+            ("cup", [1.0, 2.0, 3.0], [1.0; 3])
+        );
+        let close = cup
+            .orientation
+            .parts
+            .iter()
+            .zip([half, 0.0, 0.0, half])
+            .all(|(own, other)| (own - other).abs() < 1e-6);
+        assert!(close, "{text}: {:?}", cup.orientation);
+    }
+}
+
+#[test]
+fn boxes_of_one_class_are_numbered() {
+    let boxes = |names: [&str; 3]| {
+        let boxes = names.map(|name| format!(r#"{{"name": "{name}", "position": [0, 0, 0], "size": [1, 1, 1]}}"#));
+        let scene = Scene::parse("boxes.json", &format!("[{}]", boxes.join(", ")));
+        scene.map(|scene| scene.boxes.into_iter().map(|own| own.name).collect::<Vec<_>>())
+    };
+    assert_eq!(boxes(["cup", "table", "cup"]).unwrap(), ["cup 1", "table", "cup 2"]);
+    let twice = boxes(["<cup>", "<table>", "<cup>"]).unwrap_err().to_string();
+    assert!(twice.contains("`<cup>` is listed twice"), "{twice}");
 }
