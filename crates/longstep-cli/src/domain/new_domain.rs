@@ -75,13 +75,15 @@ fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result
         .map(|(path, text)| (path.as_str(), text.as_str()))
         .collect();
     let text = |path: &str| files.get(path).copied().unwrap_or_default().to_owned();
-    let cases = suite::Files {
-        folder: "suite/".to_owned(),
-        suite: text("suite/suite.toml"),
-        cases: [("instructions.toml".to_owned(), text("suite/instructions.toml"))].into(),
-        scenes: [("example".to_owned(), text("suite/scenes/example.json"))].into(),
-    };
-    suite::load(&cases, &new.domain)?;
+    if files.contains_key("suite/suite.toml") {
+        let cases = suite::Files {
+            folder: "suite/".to_owned(),
+            suite: text("suite/suite.toml"),
+            cases: [("instructions.toml".to_owned(), text("suite/instructions.toml"))].into(),
+            scenes: [("example".to_owned(), text("suite/scenes/example.json"))].into(),
+        };
+        suite::load(&cases, &new.domain)?;
+    }
     let all: Vec<(String, String)> = new.files.into_iter().chain(extra).collect();
     write_folder(folder, &all)?;
     for note in &new.notes {

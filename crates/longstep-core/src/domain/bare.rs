@@ -46,6 +46,20 @@ pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
     }
 }
 
+/// Returns the domain file of somebody else as this library reads it, with notes about what was rewritten; none if nothing was.
+///
+/// ```
+/// let text = "(define (domain lamps) (:predicates (lit ?lamp))
+///     (:durative-action light :parameters (?lamp) :duration (= ?duration 3) :condition () :effect (at end (lit ?lamp))))";
+/// let (written, notes) = longstep_core::domain::adapted("lamps.pddl", text).unwrap();
+/// assert!(written.contains("(:action light") && notes.len() == 1);
+/// ```
+pub fn adapted(file: &str, text: &str) -> Option<(String, Vec<Diagnostic>)> {
+    let own = pddl::foreign::read(file, text).ok()?;
+    let is_as_written = super::sexpr::read(file, text).is_ok_and(|written| written == own.expressions);
+    (!is_as_written).then(|| (pddl::foreign::written(&own.expressions), own.notes))
+}
+
 /// The places in a PDDL file where its names are declared, in the order of the domain's lists.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct DeclarationPositions {

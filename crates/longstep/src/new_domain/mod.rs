@@ -97,14 +97,18 @@ pub fn from_any_pddl(
     problem: Option<SourceText<'_>>,
 ) -> Result<NewDomain, Diagnostics> {
     let bare = longstep_core::domain::from_pddl(domain.file, domain.text)?;
+    let (pddl, notes) = longstep_core::domain::adapted(domain.file, domain.text)
+        .unwrap_or_else(|| (domain.text.to_owned(), Vec::new()));
     let blueprint = Blueprint {
         name: model::plain_name(name),
         about: format!("The PDDL domain {}.", bare.pddl_name),
-        pddl: domain.text.to_owned(),
+        pddl,
         ..Blueprint::default()
     };
     if let Some(problem) = problem {
-        return complete(&blueprint, domain.file, problem, false);
+        let mut new = complete(&blueprint, domain.file, problem, false)?;
+        new.notes.extend(notes);
+        return Ok(new);
     }
     let made_up = problem::write(&bare);
     let source = SourceText {
@@ -113,6 +117,7 @@ pub fn from_any_pddl(
     };
     let mut new = complete(&blueprint, domain.file, source, true)?;
     let note = made_up.note(domain.file);
+    new.notes.extend(notes);
     new.notes
         .extend(note.map(|note| note.hint("give a problem file with --problem")));
     Ok(new)
@@ -137,6 +142,9 @@ pub fn from_answers(answers: &Answers) -> Result<NewDomain, Diagnostics> {
     }
     Ok(new)
 }
+
+/// A new domain without worked examples, which a model needs.
+const NO_GOAL: &str = "no goal of the domain can be reached in the example world, so there is nothing to show a model";
 
 /// Makes all files from a blueprint and an example problem.
 fn complete(
@@ -172,28 +180,30 @@ fn complete(
     let world = world.map_err(|findings| of_author(findings, source))?;
     let mut sampler = Sampler::default();
     let samples = sampler.samples(&world, SUITE, 0);
-    if samples.is_empty() && sampler.is_exhausted() {
-        let finding = Diagnostic::whole(pddl_file, format!("no example was found: {TOO_MUCH}"));
-        return Err(Diagnostics(vec![
-            finding.hint("give a small problem file with --problem"),
-        ]));
-    }
-    if samples.is_empty() {
-        let finding = Diagnostic::whole(
-            source,
-            "no goal of the domain can be reached in the example world, so there is nothing to show a model",
-        );
-        let hint = match invented {
-            true => "give a problem file with --problem: a world in which the actions are possible",
-            false => "check the initial facts: do the preconditions of the actions hold?",
+    let without_examples = samples.is_empty().then(|| {
+        let (message, hint) = match (sampler.is_exhausted(), invented) {
+            (true, _) => (
+                format!("no example was found: {TOO_MUCH}"),
+                "give a small problem file with --problem",
+            ),
+            (false, true) => (
+                NO_GOAL.to_owned(),
+                "give a problem file with --problem: a world in which the actions are possible",
+            ),
+            (false, false) => (
+                NO_GOAL.to_owned(),
+                "check the initial facts: do the preconditions of the actions hold?",
+            ),
         };
-        return Err(Diagnostics(vec![finding.hint(hint)]));
-    }
+        Diagnostic::whole(source, message).hint(hint)
+    });
     files.push(("environment.json".to_owned(), json.clone()));
-    files.extend(example::suite(&blueprint.name, &world, &samples));
-    files.push(("suite/scenes/example.json".to_owned(), json.clone()));
-    files.push(("prompt/plans.toml".to_owned(), example::plans(&world, &mut sampler)));
-    files[3].1 = example::examples(&world, &mut sampler);
+    if without_examples.is_none() {
+        files.extend(example::suite(&blueprint.name, &world, &samples));
+        files.push(("suite/scenes/example.json".to_owned(), json.clone()));
+        files.push(("prompt/plans.toml".to_owned(), example::plans(&world, &mut sampler)));
+        files[3].1 = example::examples(&world, &mut sampler);
+    }
     let domain = load_files(&files, pddl_file)?;
     let shown = Files::from_texts("", files.iter().cloned());
     let mut findings = lint(&domain, &shown);
@@ -204,7 +214,9 @@ fn complete(
         .iter()
         .map(|own| own.note(pddl_file, &positions))
         .collect();
-    if sampler.is_exhausted() {
+    let has_examples = without_examples.is_none();
+    notes.extend(without_examples);
+    if has_examples && sampler.is_exhausted() {
         notes.push(Diagnostic::whole(
             pddl_file,
             format!("there are fewer examples than usual: {TOO_MUCH}"),

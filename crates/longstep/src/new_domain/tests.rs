@@ -253,7 +253,7 @@ fn answers_that_make_no_domain_are_errors() {
 
 #[test]
 fn what_is_not_supported_is_named_with_its_line() {
-    let text = BLOCKS.replacen("(:predicates", "(:requirements :durative-actions)\n(:predicates", 1);
+    let text = BLOCKS.replacen("(:predicates", "\n(:derived (handempty) (and))\n(:predicates", 1);
     let found = from_any_pddl(
         "mine",
         SourceText {
@@ -263,8 +263,61 @@ fn what_is_not_supported_is_named_with_its_line() {
         None,
     );
     let found = found.map(|new| new.domain.name.clone()).unwrap_err().to_string();
-    assert!(found.starts_with("d.pddl:2:"), "{found}");
-    assert!(found.contains("`:durative-actions` is not supported"), "{found}");
+    assert!(found.starts_with("d.pddl:3:1:"), "{found}");
+    assert!(found.contains("`:derived` is not supported"), "{found}");
+}
+
+/// Files as others write them become folders that load, with a note where something was rewritten.
+#[test]
+fn pddl_of_others_becomes_a_folder() {
+    let durative = "```pddl
+(define (domain rover)
+  (:requirements :strips :typing :durative-actions :universal-preconditions :fluents)
+  (:types room -object robot - object)
+  (:predicates (at ?r - robot ?x -room) (path ?a ?b - room) (swept?x - room))
+  (:durative-action drive
+    :parameters (?r - robot ?a ?b - room)
+    :duration (= ?duration 5)
+    :condition (and (at start (at ?r ?a)) (over all (path ?a ?b)))
+    :effect (and (at start (not (at ?r ?a))) (at end (at ?r ?b))))
+  (:durative-action sweep
+    :parameters (?r - robot ?x - room)
+    :duration (= ?duration 2)
+    :condition (and (over all (at ?r ?x)) (at start (not (swept ?x))))
+    :effect (at end (swept ?x))))
+```";
+    let new = made(durative, None);
+    assert_eq!(new.domain.actions.len(), 2);
+    let pddl = text(&new, "domain.pddl");
+    assert!(pddl.contains("(:action drive"), "{pddl}");
+    assert!(
+        pddl.contains("(increase (total-cost) 5)") && !pddl.contains("durative"),
+        "{pddl}"
+    );
+    let notes: Vec<String> = new.notes.iter().map(ToString::to_string).collect();
+    assert!(
+        notes.iter().any(|own| own.contains("steps one after another")),
+        "{notes:?}"
+    );
+    // What the start brings about is no condition of the end.
+    let held = durative.replace("(over all (path ?a ?b))", "(at end (not (at ?r ?a)))");
+    let held = made(&held, None);
+    assert!(
+        text(&held, "domain.pddl").contains(":precondition (and (at ?r ?a))"),
+        "{}",
+        text(&held, "domain.pddl")
+    );
+    // A domain whose made-up world shows nothing is written, with a note.
+    let nothing = "(define (domain never) (:predicates (p ?x) (q ?x) (r ?x))
+        (:action a :parameters (?x) :precondition (and (p ?x) (q ?x) (not (q ?x))) :effect (r ?x)))";
+    let new = made(nothing, None);
+    assert!(
+        new.notes
+            .iter()
+            .any(|own| own.message.contains("nothing to show a model")),
+        "{:?}",
+        new.notes
+    );
 }
 
 /// A domain of one predicate and one action for each number: the first predicate leads to the last one.

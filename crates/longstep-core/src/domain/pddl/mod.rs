@@ -1,6 +1,8 @@
 //! The parser of `domain.pddl`: types, constants, predicates and actions, with all names resolved.
 
 mod conditions;
+mod durative;
+pub(crate) mod foreign;
 mod numbers;
 mod types;
 
@@ -63,7 +65,11 @@ pub(crate) struct Semantics {
 /// Parses a domain file; appends errors to `findings` and returns everything that could be read.
 pub(crate) fn read(file: &str, text: &str, dialect: Dialect, findings: &mut Vec<Diagnostic>) -> Semantics {
     let mut semantics = Semantics::default();
-    let expressions = match sexpr::read(file, text) {
+    let read = match dialect {
+        Dialect::Longstep => sexpr::read(file, text),
+        Dialect::Standard => foreign::read(file, text).map(|own| own.expressions),
+    };
+    let expressions = match read {
         Ok(expressions) => expressions,
         Err(finding) => {
             findings.push(finding);

@@ -1,0 +1,218 @@
+//! Durative actions as actions: one step after another, an action may begin where its conditions hold at the start, and all
+//! that has to hold until its end.
+//!
+//! The condition is the one at the start, with those over all and at the end, without what the effects at the start bring about.
+//! The effect is that of the start and then that of the end. A constant duration is the cost of a step.
+
+use super::foreign::{list, note, word};
+use crate::diagnostic::{Diagnostic, Position};
+use crate::domain::sexpr::{Expression, ExpressionKind};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Time {
+    Start,
+    All,
+    End,
+}
+
+type Timed = Vec<(Time, Expression)>;
+
+/// Rewrites the durative actions of a domain's sections.
+pub(super) fn adapt(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<Diagnostic>) {
+    let is_durative = |own: &Expression| own.tail_of(":durative-action").is_some();
+    let Some(first) = sections.iter().find(|own| is_durative(own)) else {
+        return;
+    };
+    let mut message =
+        "durative actions are read as steps one after another: conditions over all and at the end hold before a step"
+            .to_owned();
+    let is_costly = |own: &Expression| mentions(own, "total-cost") || own.tail_of(":action").is_some();
+    let durations: Option<Vec<Expression>> = sections
+        .iter()
+        .filter_map(|own| own.tail_of(":durative-action"))
+        .map(|items| duration(items).filter(|own| own.word().is_some_and(|own| own.parse::<f64>().is_ok())))
+        .collect();
+    let costs = durations.is_some() && !sections.iter().any(is_costly);
+    message.push_str(match costs {
+        true => "; their durations are costs",
+        false => "; durations are left out, since not all are constants, or costs are there already",
+    });
+    notes.push(note(file, first, message));
+    for section in sections.iter_mut() {
+        if let Some(items) = section.tail_of(":durative-action") {
+            *section = action(items, section.position, costs);
+        }
+    }
+    if costs {
+        let place = sections[0].position;
+        let functions = || list(vec![word("total-cost", place)], place);
+        match sections.iter_mut().find(|own| own.tail_of(":functions").is_some()) {
+            Some(Expression {
+                kind: ExpressionKind::List(items),
+                ..
+            }) => items.insert(1, functions()),
+            _ => {
+                let section = list(vec![word(":functions", place), functions()], place);
+                let after = sections.iter().rposition(|own| own.tail_of(":predicates").is_some());
+                sections.insert(after.map_or(sections.len(), |after| after + 1), section);
+            }
+        }
+    }
+}
+
+fn mentions(expression: &Expression, name: &str) -> bool {
+    match &expression.kind {
+        ExpressionKind::Word(word) => word == name,
+        ExpressionKind::List(items) => items.iter().any(|item| mentions(item, name)),
+    }
+}
+
+fn field<'a>(items: &'a [Expression], key: &str) -> Option<&'a Expression> {
+    let place = items.iter().position(|item| item.word() == Some(key))?;
+    items.get(place + 1)
+}
+
+/// The shortest duration.
+fn duration(items: &[Expression]) -> Option<Expression> {
+    fn least(constraint: &Expression) -> Option<Expression> {
+        let parts = constraint.list()?;
+        match parts.first()?.word()? {
+            "and" => parts[1..].iter().find_map(least),
+            "at" => least(parts.get(2)?),
+            "=" | ">=" | ">" if parts.get(1)?.word() == Some("?duration") => parts.get(2).cloned(),
+            _ => None,
+        }
+    }
+    least(field(items, ":duration")?)
+}
+
+fn action(items: &[Expression], position: Position, costs: bool) -> Expression {
+    let duration = duration(items);
+    let timed = |key: &str| {
+        let mut found = Timed::new();
+        if let Some(own) = field(items, key) {
+            collect(own, &|inner| inner, &mut found);
+        }
+        found
+    };
+    let mut conditions = timed(":condition");
+    conditions.extend(timed(":precondition"));
+    let effects = timed(":effect");
+    let brought: Vec<&Expression> = of(&effects, Time::Start).collect();
+    let is_brought = |condition: &Expression| brought.iter().any(|own| same(own, condition));
+    let needed = conditions
+        .iter()
+        .filter(|(time, condition)| *time == Time::Start || !is_brought(condition))
+        .map(|(_, condition)| condition.clone());
+    let needed: Vec<Expression> = needed.collect();
+    let last: Vec<&Expression> = effects
+        .iter()
+        .filter(|(time, _)| *time != Time::Start)
+        .map(|(_, own)| own)
+        .collect();
+    let is_overwritten = |own: &Expression| last.iter().any(|other| same(atom(own), atom(other)) && is_literal(own));
+    let first = brought
+        .iter()
+        .filter(|own| !is_overwritten(own))
+        .map(|own| (**own).clone());
+    let mut changes: Vec<Expression> = first.chain(last.iter().map(|own| (*own).clone())).collect();
+    if let (true, Some(duration)) = (costs, &duration) {
+        let total = list(vec![word("total-cost", position)], position);
+        changes.push(list(
+            vec![word("increase", position), total, duration.clone()],
+            position,
+        ));
+    }
+    let both = |parts: Vec<Expression>| list([vec![word("and", position)], parts].concat(), position);
+    let none = || list(Vec::new(), position);
+    let name = items.first().cloned().unwrap_or_else(none);
+    let mut all = vec![
+        word(":action", position),
+        name,
+        word(":parameters", position),
+        field(items, ":parameters").cloned().unwrap_or_else(none),
+        word(":precondition", position),
+        both(needed),
+        word(":effect", position),
+        both(changes),
+    ];
+    if let Some(duration) = &duration {
+        all.iter_mut().for_each(|own| substitute(own, duration));
+    }
+    list(all, position)
+}
+
+fn of(effects: &Timed, time: Time) -> impl Iterator<Item = &Expression> {
+    effects.iter().filter(move |(own, _)| *own == time).map(|(_, own)| own)
+}
+
+/// Collects the parts of a condition or an effect with their times.
+fn collect(expression: &Expression, wrap: &dyn Fn(Expression) -> Expression, found: &mut Timed) {
+    let Some(items) = expression.list() else { return };
+    let place = expression.position;
+    let words: Vec<Option<&str>> = items.iter().map(Expression::word).collect();
+    match (&words[..], items) {
+        ([Some("and"), ..], _) => items[1..].iter().for_each(|item| collect(item, wrap, found)),
+        ([Some("at"), Some("start"), None], [_, _, inner]) => add(Time::Start, inner, wrap, found),
+        ([Some("at"), Some("end"), None], [_, _, inner]) => add(Time::End, inner, wrap, found),
+        ([Some("over"), Some("all"), None], [_, _, inner]) => add(Time::All, inner, wrap, found),
+        ([Some("forall"), None, None], [head, variables, inner]) => {
+            let forall = |own: Expression| wrap(list(vec![head.clone(), variables.clone(), own], place));
+            collect(inner, &forall, found);
+        }
+        ([Some("when"), None, None], [head, condition, effect]) => {
+            let mut conditions = Timed::new();
+            collect(condition, &|own| own, &mut conditions);
+            let parts = conditions.into_iter().map(|(_, own)| own);
+            let condition = list(std::iter::once(word("and", place)).chain(parts).collect(), place);
+            let when = |own: Expression| wrap(list(vec![head.clone(), condition.clone(), own], place));
+            collect(effect, &when, found);
+        }
+        ([], _) => {}
+        // Without a time: as at the start.
+        _ => found.push((Time::Start, wrap(expression.clone()))),
+    }
+}
+
+/// Adds the parts of a condition or an effect of one time.
+fn add(time: Time, inner: &Expression, wrap: &dyn Fn(Expression) -> Expression, found: &mut Timed) {
+    match inner.tail_of("and") {
+        Some(parts) => parts.iter().for_each(|part| add(time, part, wrap, found)),
+        None => found.push((time, wrap(inner.clone()))),
+    }
+}
+
+/// The atom of a literal.
+fn atom(literal: &Expression) -> &Expression {
+    match literal.tail_of("not") {
+        Some([atom]) => atom,
+        _ => literal,
+    }
+}
+
+fn is_literal(effect: &Expression) -> bool {
+    let head = atom(effect).list().and_then(|items| items.first()?.word());
+    !matches!(
+        head,
+        Some("when" | "forall" | "increase" | "decrease" | "assign" | "scale-up" | "scale-down") | None
+    )
+}
+
+/// Returns true if two expressions are equal, wherever they stand.
+fn same(one: &Expression, other: &Expression) -> bool {
+    match (&one.kind, &other.kind) {
+        (ExpressionKind::Word(one), ExpressionKind::Word(other)) => one == other,
+        (ExpressionKind::List(one), ExpressionKind::List(other)) => {
+            one.len() == other.len() && one.iter().zip(other).all(|(one, other)| same(one, other))
+        }
+        _ => false,
+    }
+}
+
+fn substitute(expression: &mut Expression, duration: &Expression) {
+    match &mut expression.kind {
+        ExpressionKind::Word(word) if word == "?duration" => *expression = duration.clone(),
+        ExpressionKind::Word(_) => {}
+        ExpressionKind::List(items) => items.iter_mut().for_each(|item| substitute(item, duration)),
+    }
+}

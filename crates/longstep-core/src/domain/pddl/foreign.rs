@@ -1,0 +1,244 @@
+//! PDDL of others: what is written in another way than this library reads is rewritten, with a note.
+
+use super::REQUIREMENTS;
+use super::durative;
+use crate::diagnostic::{Diagnostic, Position};
+use crate::domain::sexpr::{self, Expression, ExpressionKind};
+
+/// A file as this library reads it.
+pub(crate) struct Adapted {
+    pub(crate) expressions: Vec<Expression>,
+    /// What was rewritten, and what is left out of it.
+    pub(crate) notes: Vec<Diagnostic>,
+}
+
+/// Reads a domain file of any origin.
+pub(crate) fn read(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
+    let mut notes = Vec::new();
+    let text = without_fence(text);
+    let mut expressions = closed(file, &text, &mut notes)?;
+    for expression in &mut expressions {
+        split_words(expression);
+    }
+    let is_domain = |own: &Expression| {
+        own.tail_of("define")
+            .is_some_and(|sections| head_of(sections) == Some("domain"))
+    };
+    let is_problem = |own: &Expression| {
+        own.tail_of("define")
+            .is_some_and(|sections| head_of(sections) == Some("problem"))
+    };
+    if expressions.len() > 1 && expressions.iter().any(is_domain) && expressions.iter().any(is_problem) {
+        notes.push(note(
+            file,
+            &expressions[0],
+            "the file has a problem too; only the domain is read here",
+        ));
+        expressions.retain(|own| !is_problem(own));
+    }
+    if let Some(define) = expressions.first_mut() {
+        adapt(file, define, &mut notes);
+    }
+    Ok(Adapted { expressions, notes })
+}
+
+fn head_of(sections: &[Expression]) -> Option<&str> {
+    sections.first()?.list()?.first()?.word()
+}
+
+pub(super) fn note(file: &str, of: &Expression, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::at(file, of.position, message)
+}
+
+/// Returns the text between the marks of a code block, at its place.
+fn without_fence(text: &str) -> std::borrow::Cow<'_, str> {
+    if !text.contains("```") {
+        return text.into();
+    }
+    let mut is_inside = false;
+    let lines = text.lines().map(|line| {
+        let is_mark = line.trim_start().starts_with("```");
+        is_inside ^= is_mark;
+        if is_inside && !is_mark { line } else { "" }
+    });
+    lines.collect::<Vec<_>>().join("\n").into()
+}
+
+/// Reads expressions; the last closing parenthesis may be missing.
+fn closed(file: &str, text: &str, notes: &mut Vec<Diagnostic>) -> Result<Vec<Expression>, Diagnostic> {
+    let error = match sexpr::read(file, text) {
+        Ok(expressions) => return Ok(expressions),
+        Err(error) => error,
+    };
+    match sexpr::read(file, &format!("{text}\n)")) {
+        Ok(expressions) if expressions.len() == 1 => {
+            notes.push(note(file, &expressions[0], "the last `)` is missing"));
+            Ok(expressions)
+        }
+        _ => Err(error),
+    }
+}
+
+/// Splits words that are glued together: `-block` in a typed list, `(dusty?c)`, `(=?a ?b)`.
+fn split_words(expression: &mut Expression) {
+    let ExpressionKind::List(items) = &mut expression.kind else {
+        return;
+    };
+    let mut split = Vec::with_capacity(items.len());
+    for mut item in std::mem::take(items) {
+        split_words(&mut item);
+        let Some(text) = item.word() else {
+            split.push(item);
+            continue;
+        };
+        let place = |offset: usize| Position {
+            column: item.position.column + text[..offset].chars().count() as u32,
+            ..item.position
+        };
+        let starts: Vec<usize> = match text.strip_prefix('-') {
+            Some(kind) if kind.starts_with(char::is_alphabetic) => vec![0, 1],
+            _ => {
+                let inner = text.match_indices('?').map(|(at, _)| at).filter(|at| *at > 0);
+                std::iter::once(0).chain(inner).collect()
+            }
+        };
+        let ends = starts.iter().skip(1).copied().chain([text.len()]);
+        split.extend(
+            starts
+                .iter()
+                .zip(ends)
+                .map(|(start, end)| word(&text[*start..end], place(*start))),
+        );
+    }
+    *items = split;
+}
+
+pub(super) fn word(text: &str, position: Position) -> Expression {
+    Expression {
+        kind: ExpressionKind::Word(text.to_owned()),
+        position,
+    }
+}
+
+pub(super) fn list(items: Vec<Expression>, position: Position) -> Expression {
+    Expression {
+        kind: ExpressionKind::List(items),
+        position,
+    }
+}
+
+fn adapt(file: &str, define: &mut Expression, notes: &mut Vec<Diagnostic>) {
+    let ExpressionKind::List(sections) = &mut define.kind else {
+        return;
+    };
+    for section in sections.iter_mut().skip(1) {
+        let head = section
+            .list()
+            .and_then(|items| items.first()?.word().map(str::to_owned));
+        match head.as_deref() {
+            Some(":requirements") => requirements(file, section, notes),
+            Some(":types") => types(file, section, notes),
+            _ => {}
+        }
+    }
+    durative::adapt(file, sections, notes);
+}
+
+/// Leaves out requirements that nothing in this library asks for: what a file uses of them is read, or is an error at its place.
+fn requirements(file: &str, section: &mut Expression, notes: &mut Vec<Diagnostic>) {
+    let ExpressionKind::List(items) = &mut section.kind else {
+        return;
+    };
+    let mut needs_quantifiers = false;
+    items.retain(|item| {
+        let Some(own) = item.word() else { return true };
+        if own == ":requirements" || REQUIREMENTS.contains(&own) {
+            return true;
+        }
+        if own == ":universal-preconditions" || own == ":existential-preconditions" {
+            needs_quantifiers = true;
+        } else if own.starts_with(':') {
+            notes.push(note(file, item, format!("the requirement `{own}` is left out")));
+        } else {
+            return true;
+        }
+        false
+    });
+    if needs_quantifiers {
+        items.push(word(":quantified-preconditions", section.position));
+    }
+}
+
+/// Leaves out a type among its own subtypes: `location peg - location`.
+fn types(file: &str, section: &mut Expression, notes: &mut Vec<Diagnostic>) {
+    let ExpressionKind::List(items) = &mut section.kind else {
+        return;
+    };
+    let mut left_out = Vec::new();
+    let mut begin = 1;
+    for (index, item) in items.iter().enumerate() {
+        if item.word() == Some("-") {
+            let parent = items.get(index + 1).and_then(Expression::word);
+            let own = (begin..index).filter(|place| parent.is_some() && items[*place].word() == parent);
+            left_out.extend(own.filter(|_| parent != Some("object") || index - begin > 1));
+            begin = index + 2;
+        }
+    }
+    for place in left_out.into_iter().rev() {
+        let own = items.remove(place);
+        let name = own.word().unwrap_or_default().to_owned();
+        notes.push(note(file, &own, format!("the type `{name}` is no type below itself")));
+    }
+}
+
+/// Writes a domain that was rewritten.
+pub(crate) fn written(expressions: &[Expression]) -> String {
+    let mut text = String::new();
+    for define in expressions {
+        let Some(sections) = define.list() else { continue };
+        for (index, section) in sections.iter().enumerate() {
+            text.push_str(match index {
+                0 => "(",
+                1 => " ",
+                _ => "\n  ",
+            });
+            let is_action = section.tail_of(":action").is_some();
+            match section.list() {
+                Some(items) if is_action => {
+                    text.push('(');
+                    for (place, item) in items.iter().enumerate() {
+                        let is_key = place > 1 && place % 2 == 0;
+                        text.push_str(if place == 0 {
+                            ""
+                        } else if is_key {
+                            "\n    "
+                        } else {
+                            " "
+                        });
+                        write(item, &mut text);
+                    }
+                    text.push(')');
+                }
+                _ => write(section, &mut text),
+            }
+        }
+        text.push_str(")\n");
+    }
+    text
+}
+
+fn write(expression: &Expression, text: &mut String) {
+    match &expression.kind {
+        ExpressionKind::Word(word) => text.push_str(word),
+        ExpressionKind::List(items) => {
+            text.push('(');
+            for (index, item) in items.iter().enumerate() {
+                if index > 0 {
+                    text.push(' ');
+                }
+                write(item, text);
+            }
+            text.push(')');
+        }
+    }
+}
