@@ -122,6 +122,8 @@ impl Answer {
             (self.text, finish)
         } else if !is_blank(&self.called) {
             (self.called, finish)
+        } else if full {
+            (String::new(), finish)
         } else if finish == Finish::Length && !is_blank(&self.reasoning) {
             let tokens = match self.usage.completion_tokens {
                 0 => "all of its tokens".to_owned(),

@@ -127,7 +127,7 @@ impl ChatModel for ServerModel {
         loop {
             let failure = match self.try_often(request, &call, &mut tell) {
                 Ok(mut received) => {
-                    tidy(&mut received.reply, request);
+                    completed(&mut received.reply, request);
                     // Sessions and recordings keep replies.
                     received.reply.text = self.endpoint.without_keys(&received.reply.text);
                     self.look_at(&received, request, &mut tell);
@@ -171,21 +171,13 @@ impl ChatModel for ServerModel {
     }
 }
 
-/// Leaves the JSON object of an answer, without what servers and models write around it.
-fn tidy(reply: &mut Reply, request: &ChatRequest) {
-    let Constraint::JsonSchema(_) = &request.constraint else {
-        return;
-    };
-    if reply.finish == Finish::Length {
-        // Some models fill the rest of an answer with blanks.
-        let is_whole = reply.text.ends_with(char::is_whitespace) && reply.text.trim_end().ends_with('}');
-        if !is_whole || object_text(&reply.text).is_none() {
-            return;
-        }
+/// An answer that is a whole JSON object is no answer that was cut off: some models fill the rest with blanks.
+fn completed(reply: &mut Reply, request: &ChatRequest) {
+    let is_whole = matches!(request.constraint, Constraint::JsonSchema(_))
+        && reply.text.ends_with(char::is_whitespace)
+        && reply.text.trim_end().ends_with('}');
+    if reply.finish == Finish::Length && is_whole && object_text(&reply.text).is_some() {
         reply.finish = Finish::Stop;
-    }
-    if let Some(object) = object_text(&reply.text).filter(|_| reply.finish == Finish::Stop) {
-        reply.text = object;
     }
 }
 
@@ -282,7 +274,7 @@ impl ServerModel {
             && reply.finish == Finish::Stop
             && self.dialect.sends_schema()
             && !self.warned_of_ignored_schema
-            && !dialect::fits(&reply.text, schema)
+            && !dialect::fits(object_text(&reply.text).as_deref().unwrap_or(&reply.text), schema)
         {
             self.warned_of_ignored_schema = true;
             let warning = "the server ignored the schema: its answer has another form";

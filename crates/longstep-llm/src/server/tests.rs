@@ -357,8 +357,7 @@ fn an_answer_is_found_where_a_server_has_put_it() {
     let stream = |parts: &[String]| {
         sse(&parts
             .iter()
-            .cloned()
-            .map(|own| serde_json::from_str(&own).unwrap())
+            .map(|own| serde_json::from_str(own).unwrap())
             .collect::<Vec<Value>>())
     };
     let called = json!({"tool_calls": [{"function": {"name": "answer", "arguments": object}}]});
@@ -382,7 +381,8 @@ fn an_answer_is_found_where_a_server_has_put_it() {
     ] {
         let (outcome, _, requests) = ask(vec![answer("200 OK", &[], body.as_bytes())]);
         let text = outcome.unwrap_or_else(|error| panic!("{name}: {error}")).text;
-        let found: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{name}: {error}: {text}"));
+        let found = object_text(&text).unwrap_or_else(|| panic!("{name}: {text}"));
+        let found: Value = serde_json::from_str(&found).unwrap();
         assert_eq!(found, serde_json::from_str::<Value>(object).unwrap(), "{name}");
         assert_eq!(requests.len(), 1, "{name}");
     }

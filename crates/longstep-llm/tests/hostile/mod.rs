@@ -319,8 +319,7 @@ pub fn modes() -> Vec<Mode> {
             all(s, &format!("{STREAM}{}data: [DONE]\n\n", says(&"[".repeat(5000))))
         }),
         chat("calls to tools and no text", Bad, 40, |s| {
-            let call =
-                event(r#"{"tool_calls": [{"index": 4294967295, "function": {"name": "f", "arguments": "{}"}}]}"#);
+            let call = event(r#"{"tool_calls": [{"index": 4294967295, "function": {"name": "f", "arguments": ""}}]}"#);
             all(s, &format!("{STREAM}{call}data: [DONE]\n\n"))
         }),
         chat("negative usage", Reply, 0, |s| {

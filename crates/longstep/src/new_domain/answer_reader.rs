@@ -289,11 +289,10 @@ fn key_of(sentence: &Sentence) -> String {
 }
 
 fn words_of(sentence: &Sentence) -> impl Iterator<Item = &str> {
-    let words = sentence.pieces.iter().map(|piece| match piece {
+    sentence.pieces.iter().map(|piece| match piece {
         Piece::Word(word) => word.as_str(),
         Piece::Kind(..) | Piece::Thing(..) => "",
-    });
-    words
+    })
 }
 
 /// Returns what holds no longer after an action, as a proposal for the author.
