@@ -57,8 +57,10 @@ const SCHEMA: [&str; 12] = [
 ];
 
 /// Words by which servers and chat templates complain about the role of the system.
-const SYSTEM: [&str; 7] = [
+const SYSTEM: [&str; 9] = [
     "system role",
+    "conversation roles",
+    "roles are supported",
     "system message",
     "developer instruction",
     "systeminstruction",
@@ -155,10 +157,10 @@ impl Dialect {
         Some((Self { limit, renamed, ..self }, None))
     }
 
-    /// True if a server's complaint is about a JSON schema, whatever its status.
-    pub(super) fn is_about_schema(complaint: &str) -> bool {
+    /// True if a server's complaint is about a JSON schema or the role of the system, whatever its status.
+    pub(super) fn is_about_request(complaint: &str) -> bool {
         let complaint = complaint.to_lowercase();
-        SCHEMA.iter().any(|word| complaint.contains(word))
+        SCHEMA.iter().chain(&SYSTEM).any(|word| complaint.contains(word))
     }
 
     /// True for the dialects whose answers in one piece are read.

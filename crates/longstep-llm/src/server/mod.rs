@@ -250,7 +250,7 @@ impl ServerModel {
             return None;
         };
         // Some servers report an invalid request, or a schema that they cannot follow, with status 500.
-        let is_invalid = || message.contains("validation error") || Dialect::is_about_schema(body);
+        let is_invalid = || message.contains("validation error") || Dialect::is_about_request(body);
         let rejected = matches!(status, 200 | 400 | 403 | 404 | 422) || (*status == 500 && is_invalid());
         let smaller = || {
             let by_message = self.dialect.without(message, request, &self.sampling);

@@ -438,6 +438,11 @@ fn what_a_server_does_not_support_is_left_out() {
             r#"{"error": {"message": "System role not supported"}}"#,
             "messages",
         ),
+        (
+            "500 Internal Server Error",
+            "Conversation roles must alternate user/assistant/user/assistant/...",
+            "messages",
+        ),
     ] {
         let (outcome, _, requests) = ask(vec![answer(status, &[], complaint.as_bytes()), success()]);
         assert!(outcome.is_ok(), "{complaint}: {:?}", outcome.err());
