@@ -88,7 +88,7 @@ def see(genes, rng):
         if genes["said"]:
             box["states"] = [f"on_something({boxes[rng.randrange(index)]['name']})" if index else "closed()" for _ in range(genes["said"])]
         boxes.append(box)
-    scene = {"boxes": boxes}
+    scene = {"boxes": boxes, "quaternions": "wxyz"}
     if genes["hands"]:
         scene["hands"] = [{"name": f"hand{index}", "position": [0, 0, 1 + index * 0.1], "closed": False} for index in range(genes["hands"])]
     domain = ("household", "household-checks", "household-dual", "virtualhome")[genes["domain"]]
