@@ -17,6 +17,22 @@ pub(crate) enum ExpressionKind {
 }
 
 impl Expression {
+    /// Creates a word.
+    pub(crate) fn of_word(word: &str, position: Position) -> Self {
+        Self {
+            kind: ExpressionKind::Word(word.to_owned()),
+            position,
+        }
+    }
+
+    /// Creates a list.
+    pub(crate) fn of_items(items: Vec<Self>, position: Position) -> Self {
+        Self {
+            kind: ExpressionKind::List(items),
+            position,
+        }
+    }
+
     pub fn word(&self) -> Option<&str> {
         match &self.kind {
             ExpressionKind::Word(word) => Some(word),

@@ -66,7 +66,7 @@ fn progress_that_was_seen_is_kept_when_the_next_step_fails() {
     assert!(matches!(execution.next_need(), Need::Done));
 }
 
-/// What others did to a thing that is to be left untouched does not end its protection.
+/// A thing that is to be left untouched stays protected after others have moved it.
 #[test]
 fn what_is_untouched_stays_protected_after_others_moved_it() {
     let world = lamps("(dusty north)");

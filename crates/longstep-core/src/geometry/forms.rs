@@ -5,7 +5,8 @@ use std::fmt;
 use serde::de::{MapAccess, SeqAccess, Visitor, value};
 use serde::{Deserialize, Deserializer};
 
-use super::scene::{Body, Scene, Vector};
+/// A point or direction in metres, with z upwards.
+pub(super) type Vector = [f64; 3];
 
 /// The order of the numbers in a quaternion that is written as a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -153,21 +154,26 @@ struct Pose {
     orientation: Orientation,
 }
 
+/// A detected box.
+pub(super) struct Detected {
+    pub(super) name: String,
+    pub(super) position: Vector,
+    pub(super) orientation: Orientation,
+    pub(super) size: Vector,
+}
+
 /// Reads the boxes of `vision_msgs/Detection3DArray`, each with the class of its best hypothesis.
-pub(super) fn detections(text: &str) -> Result<Scene, serde_json::Error> {
+pub(super) fn detections(text: &str) -> Result<Vec<Detected>, serde_json::Error> {
     let Detections { detections } = serde_json::from_str(text)?;
-    let bodies = detections.into_iter().enumerate().map(|(index, own)| {
+    let detected = |(index, own): (usize, Detection)| {
         let classes = own.results.into_iter().map(|own| own.hypothesis);
         let best = classes.max_by(|one, other| one.score.total_cmp(&other.score));
-        Body {
+        Detected {
+            name: best.map_or_else(|| format!("thing {}", index + 1), |own| own.class_id),
             position: own.bbox.center.position,
             orientation: own.bbox.center.orientation,
             size: own.bbox.size,
-            ..Body::named(best.map_or_else(|| format!("thing {}", index + 1), |own| own.class_id))
         }
-    });
-    Ok(Scene {
-        boxes: bodies.collect(),
-        ..Scene::default()
-    })
+    };
+    Ok(detections.into_iter().enumerate().map(detected).collect())
 }

@@ -3,13 +3,10 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Deserialize;
 
-use super::forms::{Orientation, QuaternionOrder, detections, vector};
+use super::forms::{Detected, Orientation, QuaternionOrder, Vector, detections, vector};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::environment::Words;
 use crate::json::{Locator, Path};
-
-/// A point or direction in metres, with z upwards.
-pub(super) type Vector = [f64; 3];
 
 /// Maximum number of boxes and hands: every pair of them is compared.
 const MOST: usize = 1_000;
@@ -162,7 +159,7 @@ impl Scene {
     pub fn parse(file: &str, text: &str) -> Result<Self, Diagnostics> {
         let is_detections = text.contains("\"detections\"") && !text.contains("\"boxes\"");
         let read = match is_detections {
-            true => detections(text),
+            true => detections(text).map(|all| Self::of(all.into_iter().map(Body::from).collect())),
             false if text.trim_start().starts_with('[') => serde_json::from_str(text).map(Self::of),
             false => serde_json::from_str(text),
         };
@@ -248,6 +245,17 @@ impl Body {
 
 fn length(parts: &[f64]) -> f64 {
     parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+}
+
+impl From<Detected> for Body {
+    fn from(own: Detected) -> Self {
+        Self {
+            position: own.position,
+            orientation: own.orientation,
+            size: own.size,
+            ..Self::named(own.name)
+        }
+    }
 }
 
 struct Check<'a> {

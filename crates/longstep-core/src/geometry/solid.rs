@@ -1,6 +1,7 @@
 //! Boxes in space: rotation, faces, footprints and shares of volume.
 
-use super::scene::{Body, Vector};
+use super::forms::Vector;
+use super::scene::Body;
 use crate::effort;
 
 type Point = [f64; 2];

@@ -660,7 +660,7 @@ proptest! {
     }
 }
 
-/// The same quarter turn in every form in which others write it.
+/// One quarter turn in every form in which others write it.
 #[test]
 fn a_pose_is_read_in_every_form_that_says_what_it_means() {
     let half = std::f64::consts::FRAC_1_SQRT_2;

@@ -4,7 +4,6 @@
 //! The condition is the one at the start, with those over all and at the end, without what the effects at the start bring about.
 //! The effect is that of the start and then that of the end. A constant duration is the cost of a step.
 
-use super::foreign::{list, note, word};
 use crate::diagnostic::{Diagnostic, Position};
 use crate::domain::sexpr::{Expression, ExpressionKind};
 
@@ -37,7 +36,7 @@ pub(super) fn adapt(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<
         true => "; their durations are costs",
         false => "; durations are left out, since not all are constants, or costs are there already",
     });
-    notes.push(note(file, first, message));
+    notes.push(Diagnostic::at(file, first.position, message));
     for section in sections.iter_mut() {
         if let Some(items) = section.tail_of(":durative-action") {
             *section = action(items, section.position, costs);
@@ -45,14 +44,14 @@ pub(super) fn adapt(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<
     }
     if costs {
         let place = sections[0].position;
-        let functions = || list(vec![word("total-cost", place)], place);
+        let functions = || Expression::of_items(vec![Expression::of_word("total-cost", place)], place);
         match sections.iter_mut().find(|own| own.tail_of(":functions").is_some()) {
             Some(Expression {
                 kind: ExpressionKind::List(items),
                 ..
             }) => items.insert(1, functions()),
             _ => {
-                let section = list(vec![word(":functions", place), functions()], place);
+                let section = Expression::of_items(vec![Expression::of_word(":functions", place), functions()], place);
                 let after = sections.iter().rposition(|own| own.tail_of(":predicates").is_some());
                 sections.insert(after.map_or(sections.len(), |after| after + 1), section);
             }
@@ -117,29 +116,31 @@ fn action(items: &[Expression], position: Position, costs: bool) -> Expression {
         .map(|own| (**own).clone());
     let mut changes: Vec<Expression> = first.chain(last.iter().map(|own| (*own).clone())).collect();
     if let (true, Some(duration)) = (costs, &duration) {
-        let total = list(vec![word("total-cost", position)], position);
-        changes.push(list(
-            vec![word("increase", position), total, duration.clone()],
+        let total = Expression::of_items(vec![Expression::of_word("total-cost", position)], position);
+        changes.push(Expression::of_items(
+            vec![Expression::of_word("increase", position), total, duration.clone()],
             position,
         ));
     }
-    let both = |parts: Vec<Expression>| list([vec![word("and", position)], parts].concat(), position);
-    let none = || list(Vec::new(), position);
+    let both = |parts: Vec<Expression>| {
+        Expression::of_items([vec![Expression::of_word("and", position)], parts].concat(), position)
+    };
+    let none = || Expression::of_items(Vec::new(), position);
     let name = items.first().cloned().unwrap_or_else(none);
     let mut all = vec![
-        word(":action", position),
+        Expression::of_word(":action", position),
         name,
-        word(":parameters", position),
+        Expression::of_word(":parameters", position),
         field(items, ":parameters").cloned().unwrap_or_else(none),
-        word(":precondition", position),
+        Expression::of_word(":precondition", position),
         both(needed),
-        word(":effect", position),
+        Expression::of_word(":effect", position),
         both(changes),
     ];
     if let Some(duration) = &duration {
         all.iter_mut().for_each(|own| substitute(own, duration));
     }
-    list(all, position)
+    Expression::of_items(all, position)
 }
 
 fn of(effects: &Timed, time: Time) -> impl Iterator<Item = &Expression> {
@@ -157,15 +158,21 @@ fn collect(expression: &Expression, wrap: &dyn Fn(Expression) -> Expression, fou
         ([Some("at"), Some("end"), None], [_, _, inner]) => add(Time::End, inner, wrap, found),
         ([Some("over"), Some("all"), None], [_, _, inner]) => add(Time::All, inner, wrap, found),
         ([Some("forall"), None, None], [head, variables, inner]) => {
-            let forall = |own: Expression| wrap(list(vec![head.clone(), variables.clone(), own], place));
+            let forall =
+                |own: Expression| wrap(Expression::of_items(vec![head.clone(), variables.clone(), own], place));
             collect(inner, &forall, found);
         }
         ([Some("when"), None, None], [head, condition, effect]) => {
             let mut conditions = Timed::new();
             collect(condition, &|own| own, &mut conditions);
             let parts = conditions.into_iter().map(|(_, own)| own);
-            let condition = list(std::iter::once(word("and", place)).chain(parts).collect(), place);
-            let when = |own: Expression| wrap(list(vec![head.clone(), condition.clone(), own], place));
+            let condition = Expression::of_items(
+                std::iter::once(Expression::of_word("and", place))
+                    .chain(parts)
+                    .collect(),
+                place,
+            );
+            let when = |own: Expression| wrap(Expression::of_items(vec![head.clone(), condition.clone(), own], place));
             collect(effect, &when, found);
         }
         ([], _) => {}

@@ -8,7 +8,7 @@ use crate::domain::sexpr::{self, Expression, ExpressionKind};
 /// A file as this library reads it.
 pub(crate) struct Adapted {
     pub(crate) expressions: Vec<Expression>,
-    /// What was rewritten, and what is left out of it.
+    /// The rewritten and the omitted parts.
     pub(crate) notes: Vec<Diagnostic>,
 }
 
@@ -46,7 +46,7 @@ fn head_of(sections: &[Expression]) -> Option<&str> {
     sections.first()?.list()?.first()?.word()
 }
 
-pub(super) fn note(file: &str, of: &Expression, message: impl Into<String>) -> Diagnostic {
+fn note(file: &str, of: &Expression, message: impl Into<String>) -> Diagnostic {
     Diagnostic::at(file, of.position, message)
 }
 
@@ -107,24 +107,10 @@ fn split_words(expression: &mut Expression) {
             starts
                 .iter()
                 .zip(ends)
-                .map(|(start, end)| word(&text[*start..end], place(*start))),
+                .map(|(start, end)| Expression::of_word(&text[*start..end], place(*start))),
         );
     }
     *items = split;
-}
-
-pub(super) fn word(text: &str, position: Position) -> Expression {
-    Expression {
-        kind: ExpressionKind::Word(text.to_owned()),
-        position,
-    }
-}
-
-pub(super) fn list(items: Vec<Expression>, position: Position) -> Expression {
-    Expression {
-        kind: ExpressionKind::List(items),
-        position,
-    }
 }
 
 fn adapt(file: &str, define: &mut Expression, notes: &mut Vec<Diagnostic>) {
@@ -165,7 +151,7 @@ fn requirements(file: &str, section: &mut Expression, notes: &mut Vec<Diagnostic
         false
     });
     if needs_quantifiers {
-        items.push(word(":quantified-preconditions", section.position));
+        items.push(Expression::of_word(":quantified-preconditions", section.position));
     }
 }
 
