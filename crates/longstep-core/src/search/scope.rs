@@ -220,14 +220,14 @@ impl Requirements {
 
     /// Adds a condition whose first slots are bound.
     fn condition(&mut self, condition: &Condition, bindings: &[EntityId]) {
-        let parts = condition.atoms().count() + condition.numbers().count();
-        if !effort::spend(1 + parts / 4) {
+        let atoms = condition.atoms().count();
+        if !effort::spend(1 + (atoms + condition.numbers().count()) / 4) {
             return;
         }
         self.literals.extend(literals(condition));
         self.functions.extend(functions(condition));
         // What only compares numbers describes no entity.
-        if condition.atoms().next().is_none() {
+        if atoms == 0 {
             return;
         }
         self.conditions.push((condition.clone(), bindings.to_vec()));

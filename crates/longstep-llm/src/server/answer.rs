@@ -176,9 +176,9 @@ impl Answer {
         let words = ["reasoning_content", "reasoning"].map(|name| delta[name].as_str().unwrap_or_default());
         let details = delta["reasoning_details"].as_array().into_iter().flatten();
         let details: String = details.filter_map(|part| part["text"].as_str()).collect();
-        let words = words.into_iter().chain([details.as_str()]);
+        let mut words = words.into_iter().chain([details.as_str()]);
         self.reasoning
-            .push_str(words.into_iter().find(|words| !words.is_empty()).unwrap_or_default());
+            .push_str(words.find(|words| !words.is_empty()).unwrap_or_default());
         let call = &delta["tool_calls"][0]["function"]["arguments"];
         let call = if call.is_null() {
             &delta["function_call"]["arguments"]

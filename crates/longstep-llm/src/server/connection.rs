@@ -368,20 +368,10 @@ fn complaint(body: &str) -> String {
         ];
         let text = text.into_iter().find_map(Value::as_str)?;
         let behind = match &error["metadata"]["raw"] {
-            Value::String(raw) => complaint_behind(raw),
+            Value::String(raw) => Some(complaint(raw)).filter(|behind| !behind.trim().is_empty()),
             _ => None,
         };
         Some(behind.map_or_else(|| text.to_owned(), |behind| format!("{text}: {behind}")))
     });
     message.unwrap_or_else(|| body.to_owned())
-}
-
-/// The message of the server behind a proxy.
-fn complaint_behind(raw: &str) -> Option<String> {
-    let value: Option<Value> = serde_json::from_str(raw).ok();
-    let message = value.as_ref().and_then(|value| {
-        let error = value.get("error").unwrap_or(value);
-        error.get("message").unwrap_or(error).as_str()
-    });
-    Some(message.unwrap_or(raw).to_owned()).filter(|text| !text.trim().is_empty())
 }

@@ -347,7 +347,7 @@ fn an_answer_that_is_no_answer_is_an_error() {
     assert_eq!((outcome.unwrap().text.as_str(), requests.len()), ("{\"goal\"", 2));
 }
 
-/// What servers really send, each with the answer that is meant.
+/// Replies as servers really send them, each with the answer that is meant.
 #[test]
 fn an_answer_is_found_where_a_server_has_put_it() {
     let object = r#"{"question":"","goals":["put(juice, shelf top)"]}"#;

@@ -166,13 +166,13 @@ def check_end(judge, ended: dict, given: set[str]) -> None:
         judge.blame("the log ends otherwise", f"{stop} and {judge.ended}")
     causes = {
         "requested": {"signal", "no answer"},
-        "refused": {"refused", "refused before"},
+        "refused": {"refused"},
         "robot": {"robot", "log", "look"},
     }
     if stop == "unseen" and "denied" not in given and judge.settings.approval != "never" and "denies" not in given:
         judge.blame("a stop without a cause", f"nobody was asked: {ended['why']}")
     if judge.counts["said no"]:
-        given = given | {"refused before"}
+        given = given | {"refused"}
     if stop in causes and not causes[stop] & given:
         judge.blame("a stop without a cause", f"{stop}: {ended['why']}")
     if stop == "too-many-changes" and judge.plans < judge.settings.changes:

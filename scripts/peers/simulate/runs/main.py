@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[4]
 # Seeds that one process takes at a time.
 CHUNK = 20
 # Disagreements that are printed with their logs.
-PRINTED = 80
+PRINTED = 12
 
 
 def build() -> Path:
