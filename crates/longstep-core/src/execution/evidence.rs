@@ -84,11 +84,11 @@ impl Execution {
         if self.purpose.stages.is_empty() {
             return;
         }
-        let mut progress = self.with_events(|step| !step.refuted);
+        let mut progress = self.with_events(|step| !step.is_refuted());
         let weight = |variable| u32::from(self.is_unproven(variable));
         self.unproven = progress.confirm(&self.world, &self.purpose, self.cursor.state(), &weight);
         self.progress = progress;
-        for step in self.recent.iter_mut().filter(|step| !step.refuted) {
+        for step in self.recent.iter_mut().filter(|step| !step.is_refuted()) {
             step.counted = true;
         }
     }

@@ -3,7 +3,7 @@
 use super::evidence_tests::tank;
 use super::tests::{fact, household, kitchen, plan};
 use super::*;
-use crate::domain::from_pddl;
+use crate::domain::{Files, from_pddl, load};
 use crate::environment::Statements;
 use crate::model::World;
 use crate::pddl::read_problem;
@@ -37,18 +37,21 @@ fn order(execution: &mut Execution) -> u64 {
     }
 }
 
-/// Lets the robot look, which sees the states of the lamps that are named.
-fn observe(execution: &mut Execution, seen: &[(&str, &str)]) {
-    assert!(matches!(execution.next_need(), Need::Observe));
+/// What the robot sees of the states of the lamps that are named.
+fn statements(seen: &[(&str, &str)]) -> Statements {
     let states = seen.iter().map(|(lamp, states)| {
         let states: Vec<String> = states.split_whitespace().map(str::to_owned).collect();
         ((*lamp).to_owned(), crate::environment::Words::Many(states))
     });
-    let statements = Statements {
+    Statements {
         states: states.collect(),
         facts: None,
-    };
-    execution.observed(&statements).unwrap();
+    }
+}
+
+fn observe(execution: &mut Execution, seen: &[(&str, &str)]) {
+    assert!(matches!(execution.next_need(), Need::Observe));
+    execution.observed(&statements(seen)).unwrap();
 }
 
 /// The second stage is achieved by a step that says that it failed: the first one was seen before it.
@@ -142,4 +145,71 @@ fn an_end_that_trusts_a_promise_is_taken_back() {
     log.extend(strict.take_events());
     let repeated = Execution::replay(world.domain(), &log).unwrap();
     assert!(repeated.is_ended() && repeated.settings().trust == Trust::Observed);
+}
+
+const BELLS: &str = "(define (domain bells) (:types tower bell)
+  (:predicates (swings ?x - bell) (rung ?x - bell))
+  (:action ring :parameters (?x - bell) :precondition () :effect (and (swings ?x) (rung ?x))))";
+
+const BELLS_WORDS: &str = r#"name = "bells"
+about = "A robot that rings bells."
+
+[environment]
+assets = "tower"
+objects = "bell"
+
+[[predicate]]
+name = "swings"
+says = "{x} swings"
+denies = "{x} does not swing"
+
+[[predicate]]
+name = "rung"
+says = "{x} was rung"
+denies = "{x} was not rung"
+event = true
+
+[[state]]
+word = "swings()"
+fact = "(swings ?self)"
+means = "the bell swings"
+
+[[action]]
+name = "ring"
+call = "ring(?x)"
+says = "ring {x}"
+means = "rings a bell"
+
+[[goal]]
+form = "rung({x})"
+parameters = "?x - bell"
+condition = "(rung ?x)"
+subject = "x"
+says = "{x} was rung"
+means = "a bell was rung"
+"#;
+
+/// One look shows that a step did what it promised; the next one that somebody has undone it. The bell was rung.
+#[test]
+fn what_a_look_has_shown_is_not_the_failure_of_a_step() {
+    let files = Files {
+        pddl: BELLS.to_owned(),
+        words: BELLS_WORDS.to_owned(),
+        ..Files::default()
+    };
+    let text = r#"{"objects": ["<north>", "<south>"]}"#;
+    let world = crate::environment::parse(&load(&files).unwrap(), "env.json", text).unwrap();
+    let mut execution = begin(&world, "rung(north) then rung(south)", Trust::Observed);
+    observe(&mut execution, &[("<north>", ""), ("<south>", "")]);
+    let first = order(&mut execution);
+    execution.performed(first, None).unwrap();
+    observe(&mut execution, &[("<north>", "swings()"), ("<south>", "")]);
+    execution
+        .observed(&statements(&[("<north>", ""), ("<south>", "")]))
+        .unwrap();
+    let second = order(&mut execution);
+    execution.performed(second, None).unwrap();
+    observe(&mut execution, &[("<north>", ""), ("<south>", "swings()")]);
+    let end = execution.next_need();
+    assert!(matches!(end, Need::Done), "{end:?}");
 }

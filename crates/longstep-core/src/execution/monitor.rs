@@ -50,8 +50,10 @@ pub(super) struct Completed {
     pub(super) before: State,
     /// The changes that it promised.
     pub(super) changes: Changes,
-    /// True if an observation shows that one of them did not come about.
-    pub(super) refuted: bool,
+    /// Those of them that an observation has shown. What happens to them later isn't the step's.
+    pub(super) shown: FxHashSet<StateVariable>,
+    /// Those of them of which an observation shows that they did not come about.
+    pub(super) denied: FxHashSet<StateVariable>,
     /// True if its events are part of the progress through the stages.
     pub(super) counted: bool,
 }
@@ -63,6 +65,24 @@ impl Completed {
             StateVariable::Fact(fact) => self.changes.facts.iter().any(|own| own.fact == fact),
             StateVariable::Number(fluent) => self.changes.numbers.iter().any(|own| own.fluent == fluent),
         }
+    }
+
+    /// Returns true if an observation shows that one of its changes did not come about.
+    pub(super) fn is_refuted(&self) -> bool {
+        !self.denied.is_empty()
+    }
+
+    /// Takes over what an observation says of a change, true if it came about. Returns false if it did not, and was never
+    /// seen before.
+    fn compare(&mut self, variable: StateVariable, came_about: bool) -> bool {
+        if came_about {
+            self.denied.remove(&variable);
+            self.shown.insert(variable);
+        } else if !self.shown.contains(&variable) {
+            self.denied.insert(variable);
+            return false;
+        }
+        true
     }
 }
 
@@ -157,26 +177,39 @@ impl Execution {
                 !masked.contains(&variable) && !later.iter().any(|step| step.changes(variable))
             };
             let facts = own.changes.facts.iter().filter_map(|change| {
-                let shown = observation.decides(world, change.fact) && is_last(StateVariable::Fact(change.fact));
-                shown.then(|| observation.states(change.fact) == change.holds)
+                let shown = observation.decides(world, change.fact);
+                shown.then(|| {
+                    (
+                        StateVariable::Fact(change.fact),
+                        observation.states(change.fact) == change.holds,
+                    )
+                })
             });
             let numbers = own.changes.numbers.iter().filter_map(|change| {
                 let shown = observation.number(change.fluent)?;
-                is_last(StateVariable::Number(change.fluent)).then_some(shown == change.after)
+                Some((StateVariable::Number(change.fluent), shown == change.after))
             });
-            let shown: Vec<bool> = facts.chain(numbers).collect();
-            if shown.is_empty() {
-                continue;
+            let said: Vec<(StateVariable, bool)> = facts
+                .chain(numbers)
+                .filter(|(variable, _)| is_last(*variable))
+                .collect();
+            let own = &mut self.recent[index];
+            let mut denies = false;
+            for (variable, came_about) in said {
+                denies |= !own.compare(variable, came_about);
             }
-            let refuted = shown.contains(&false);
-            if refuted {
-                let is_event =
-                    |fact: &Fact| world.domain().words(fact.predicate()).event && !observation.decides(world, *fact);
+            takes_back |= own.is_refuted() && own.counted;
+            if denies {
+                let (own, later) = (&self.recent[index], &self.recent[index + 1..]);
+                let is_event = |fact: &Fact| {
+                    let variable = StateVariable::Fact(*fact);
+                    world.domain().words(fact.predicate()).event
+                        && !observation.decides(world, *fact)
+                        && !later.iter().any(|step| step.changes(variable))
+                };
                 let new = own.changes.facts.iter().filter(|change| change.holds);
                 events.extend(new.map(|change| change.fact).filter(is_event));
             }
-            self.recent[index].refuted = refuted;
-            takes_back |= refuted && self.recent[index].counted;
         }
         if takes_back {
             self.take_back_recent();

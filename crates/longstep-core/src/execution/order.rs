@@ -1,5 +1,7 @@
 //! Orders: steps that a robot performs, and how they end.
 
+use rustc_hash::FxHashSet;
+
 use super::evidence::Looks;
 use super::monitor::Completed;
 use super::{Approval, Event, Execution, ExecutionError, Need, Order, Subject, Watch};
@@ -116,7 +118,8 @@ impl Execution {
             action: ground.clone(),
             changes: apply(&self.world, &mut changed, action, &order.arguments),
             before,
-            refuted: false,
+            shown: FxHashSet::default(),
+            denied: FxHashSet::default(),
             counted: false,
         });
         self.cursor = cursor;

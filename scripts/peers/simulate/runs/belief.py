@@ -23,7 +23,7 @@ class Belief:
         # Facts and numbers that looks have shown since the last order ended.
         self.shown: set[tuple] = set()
         self.listed: frozenset = frozenset()
-        # The effects that the last orders promised and that no look has compared yet: key, and the events of the same step.
+        # By order that promised effects: those that no look has compared yet, and the events of the same step.
         self.fresh: list[tuple[set, set]] = []
 
     def visible(self, key: tuple) -> bool:
@@ -128,7 +128,8 @@ class Belief:
                 numbers[key[1]] = own
         self.state = State.of(facts, numbers)
         self.surprise(different)
-        self.fresh = [] if not different else [own for own in self.fresh if not own[0] & different]
+        left = [(changed - set(told), events) for changed, events in self.fresh if not changed & different]
+        self.fresh = [own for own in left if own[0]]
         self.listed = frozenset(seen)
         return different
 
