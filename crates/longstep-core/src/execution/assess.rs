@@ -1,11 +1,14 @@
 //! The effect of a difference on the rest of a plan, and what follows from it.
 
+use rustc_hash::FxHashMap;
+
 use super::need::{Effect, Stop};
 use super::order::taught_step;
 use super::{Event, Execution, Trust, ground};
 use crate::cursor::Rest;
 use crate::model::{Moment, Prohibition, State, StateVariable, StepPattern, World, apply, fired, holds};
 use crate::plan::{Plan, Step, StepId};
+use crate::search::GroundAction;
 use crate::verify::{Purpose, VerifiedPlan, check};
 
 /// Maximum number of rests that are verified to see how many steps have become needless.
@@ -30,7 +33,6 @@ impl Execution {
         if let Some(fitting) = &fitting
             && fitting.effect == Effect::Undone
         {
-            // A step without its effects is a failure of that step; it may be one too many.
             let repeated: Vec<_> = fitting
                 .plan
                 .steps()
@@ -38,9 +40,7 @@ impl Execution {
                 .take(fitting.steps.len())
                 .map(ground)
                 .collect();
-            for step in &repeated {
-                self.count_failure(step.clone(), "it had no effect");
-            }
+            self.count_repeated(&repeated);
             if repeated.iter().any(|step| self.is_forbidden(step)) {
                 return self.assess();
             }
@@ -188,23 +188,54 @@ impl Execution {
             })
     }
 
+    /// Counts a failure of each step that is repeated because an effect of it is missing; it may be one too many. What is
+    /// repeated because it follows such a step has not failed.
+    fn count_repeated(&mut self, repeated: &[GroundAction]) {
+        let first = self.since.len().saturating_sub(repeated.len());
+        let missing = self.without_effect();
+        let of_repeated = missing.into_iter().filter(|index| *index >= first);
+        let failed: Vec<GroundAction> = of_repeated.map(|index| self.since[index].clone()).collect();
+        let (failed, why) = match failed.is_empty() {
+            // What is missing is no effect of theirs, and comes about if they are repeated.
+            true => (repeated.to_vec(), "what it was for did not come about"),
+            false => (failed, "it had no effect"),
+        };
+        for step in failed {
+            self.count_failure(step, why);
+        }
+    }
+
+    /// Returns which steps since the last confirmed state have an effect that is missing, unless a later one of them
+    /// changes the same.
+    fn without_effect(&self) -> Vec<usize> {
+        let mut state = self.checkpoint.state().clone();
+        let mut last = FxHashMap::default();
+        for (index, step) in self.since.iter().enumerate() {
+            let action = self.world.domain().action(step.action);
+            let changes = apply(&self.world, &mut state, action, &step.arguments);
+            let facts = changes.facts.iter().map(|own| StateVariable::Fact(own.fact));
+            let numbers = changes.numbers.iter().map(|own| StateVariable::Number(own.fluent));
+            last.extend(facts.chain(numbers).map(|variable| (variable, index)));
+        }
+        let seen = self.state();
+        let is_missing = |variable: &StateVariable| match *variable {
+            StateVariable::Fact(fact) => seen.holds(fact) != state.holds(fact),
+            StateVariable::Number(fluent) => seen.number(fluent) != state.number(fluent),
+        };
+        let mut missing: Vec<usize> = last
+            .iter()
+            .filter(|(own, _)| is_missing(own))
+            .map(|(_, index)| *index)
+            .collect();
+        missing.sort_unstable();
+        missing.dedup();
+        missing
+    }
+
     /// Returns the rest of the plan as the draft of a change: with the last steps if their effects are missing.
     pub(super) fn draft(&self) -> Plan {
         let (now, before) = (self.cursor.rest(), self.checkpoint.rest());
-        let mut expected = self.checkpoint.state().clone();
-        let mut missing = false;
-        for step in &self.since {
-            let action = self.world.domain().action(step.action);
-            let changes = apply(&self.world, &mut expected, action, &step.arguments);
-            missing |= changes
-                .facts
-                .iter()
-                .any(|own| self.state().holds(own.fact) != own.holds)
-                || changes
-                    .numbers
-                    .iter()
-                    .any(|own| self.state().number(own.fluent) != Some(own.after));
-        }
+        let missing = !self.without_effect().is_empty();
         let rest = match missing {
             true => before.or(now),
             false => now,

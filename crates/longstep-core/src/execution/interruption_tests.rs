@@ -213,3 +213,25 @@ fn what_a_look_has_shown_is_not_the_failure_of_a_step() {
     let end = execution.next_need();
     assert!(matches!(end, Need::Done), "{end:?}");
 }
+
+/// The first of two steps had no effect, so both are repeated. The second one has not failed.
+#[test]
+fn a_step_that_is_repeated_behind_another_one_has_not_failed() {
+    let world = lamps("");
+    let mut execution = begin(&world, "lit(north) & lit(south)", Trust::Promised);
+    execution.settings.watch = Watch::OnFailure;
+    observe(&mut execution, &[("north", ""), ("south", "")]);
+    let mut steps = Vec::new();
+    for _ in 0..2 {
+        let Need::Perform(order) = execution.next_need() else {
+            panic!()
+        };
+        execution.performed(order.number, None).unwrap();
+        steps.push(order.arguments);
+    }
+    let name = |index: usize| world.entity(steps[index][0]).name.clone();
+    let (first, second) = (name(0), name(1));
+    observe(&mut execution, &[(&first, ""), (&second, "lit")]);
+    let failed: Vec<_> = execution.failures.keys().map(|step| step.arguments.clone()).collect();
+    assert_eq!(failed, [steps[0].clone()]);
+}

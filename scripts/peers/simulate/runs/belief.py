@@ -3,6 +3,7 @@
 from ..numbers import UNSURE, State
 from ..world import as_list, holds
 from .make import Entries
+from .view import keys_of
 from .world import NumberAction, NumberWorld
 
 ASSUMED, PROMISED, OBSERVED, SURMISED = "assumed", "promised", "observed", "surmised"
@@ -128,6 +129,7 @@ class Belief:
                 numbers[key[1]] = own
         self.state = State.of(facts, numbers)
         self.surprise(different)
+        self.contradicted(different, set(told))
         left = [(changed - set(told), events) for changed, events in self.fresh if not changed & different]
         self.fresh = [own for own in left if own[0]]
         self.listed = frozenset(seen)
@@ -148,6 +150,14 @@ class Belief:
             if changed & different:
                 for event in events:
                     self.source[event] = (SURMISED, self.ended)
+
+    def contradicted(self, different: set[tuple], told: set[tuple]) -> None:
+        """What no look has shown, and cannot be together with what this one shows, is open: the hand holds one thing."""
+        for _, _, condition in self.world.rules["start"] if different else ():
+            if not holds(condition, self.state):
+                for key in keys_of(condition):
+                    if key in self.state and key not in told and key[0] in self.world.words.changing:
+                        self.source[key] = (SURMISED, self.ended)
 
     # --- views ----------------------------------------------------------------------------------------------
 

@@ -26,6 +26,8 @@ class Order:
     end: str = "under way"
     before: object = None
     left: int = 0
+    # True if all its effects are there after a difference because of which it is repeated.
+    worked: bool = False
 
 
 @dataclass
@@ -276,12 +278,30 @@ class Judge:
             self.check_rest("harmless", self.plan[self.next - 1 :])
         if event["effect"] == "undone":
             begun = max(0, self.next - 1 - len(event.get("steps", [])))
-            # Which of the repeated steps had no effect is not always seen.
-            self.idle.update((own.name, own.arguments) for own in self.plan[begun : self.next - 1])
+            self.repeats(begun)
             self.plan, self.next = self.plan[begun:], 1
         if event["effect"] == "helpful":
             self.plan, self.next = self.plan[self.next - 1 + len(event.get("steps", [])) :], 1
             self.check_rest("helpful", self.plan)
+
+    def repeats(self, begun: int) -> None:
+        """Steps are repeated from a place of the plan on: those of them failed of which an effect is missing, or else all."""
+        ends = [own for own in self.orders.values() if own.plan == self.plans and own.end == "performed"]
+        last = {own.left: own for own in ends}
+        places = range(begun, self.next - 1)
+        later: set = set()
+        for place in reversed(places):
+            order = last.get(len(self.plan) - place - 1)
+            if order is not None:
+                after = self.world.apply(order.action, order.before)
+                changed = {key for key in order.action.touches() if Belief.differs(key, order.before, after)} - later
+                order.worked = not any(Belief.differs(key, self.belief.state, after) for key in changed)
+                later |= changed
+        orders = [last.get(len(self.plan) - place - 1) for place in places]
+        is_known = any(own is not None and not own.worked for own in orders)
+        for place, order in zip(places, orders):
+            if order is None or not order.worked or not is_known:
+                self.idle[(self.plan[place].name, self.plan[place].arguments)] += 1
 
     def check_rest(self, claim: str, rest: list[NumberAction]) -> None:
         """The rest of a plan is valid from the believed world and reaches the goal, as was said."""

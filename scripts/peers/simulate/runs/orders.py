@@ -30,7 +30,7 @@ def check_place(judge, order) -> None:
     order.left = len(judge.plan) - order.step
     done = [own for own in judge.orders.values() if own.plan == judge.plans and own.left == order.left]
     retries = judge.world.words.retries.get(order.action.name, 2)
-    if sum(own.end == "performed" for own in done) > retries:
+    if sum(own.end == "performed" and not own.worked for own in done) > retries:
         judge.blame("a step is repeated more often than its retries", f"{order.action.name} {len(done)} times")
     key = (order.action.name, order.action.arguments)
     if judge.streaks[key] > retries:
@@ -41,7 +41,8 @@ def check_approval(judge, order) -> None:
     """A person approved what the policy asks for."""
     if not judge.may_run:
         judge.blame("unapproved", f"order {order.number} under `{judge.settings.approval}`")
-    if judge.settings.approval == "each-step":
+    # A stricter policy counts from the event on that says so; the log may lack events before it, which are written first.
+    if judge.before.approval == "each-step":
         call, state = judge.approved_step or (None, None)
         if call is None or (call != ANY and judge.action(call) is not order.action) or state != judge.belief.state.key():
             judge.blame("unapproved step", f"order {order.number}")

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..numbers import State
+from ..order import bound
 from ..search import at_end
 from ..world import complement, holds, join
 from .view import keys_of, truth
@@ -100,7 +101,17 @@ class Purpose:
         groups = self.groups_of(part)
         if any(groups & self.groups_of(other) for other in later):
             return False
-        return all(any(holds(join("and", [part.condition, other.condition]), own) for own in self.reachable()) for other in later)
+        if not all(self.together(part.condition, other.condition) for other in later):
+            return False
+        # A group to choose from is given up too if later goals leave too few members.
+        members = [bound(self.world, form, arguments) for form, arguments in part.goals]
+        lost = [own for own in members if len(members) > 1 and any(not self.together(own, other.condition) for other in later)]
+        return not lost or self.together(part.condition, *map(complement, lost))
+
+    def together(self, *conditions) -> bool:
+        """True if a state that can be reached satisfies all conditions."""
+        wanted = join("and", list(conditions))
+        return any(holds(wanted, own) for own in self.reachable())
 
     def groups_of(self, part: Wanted) -> set[tuple]:
         """The groups of goals of the domain in which a part is, each with the first argument."""
