@@ -52,12 +52,21 @@ class Belief:
         """The end of a step that the robot says it did; returns its events."""
         before = self.state
         events = {fact for when, sign, fact in action.effects if sign and holds(when, before) and fact[0] in self.world.words.events}
+        doubtful = self.effects_in_doubt(action)
         self.state = self.world.apply(action, before)
         self.touched(action, order, {fact for when, _, fact in action.effects if holds(when, before)})
+        for key in doubtful:
+            self.source[key] = (SURMISED, order)
         changed = {key for key in action.touches() if self.visible(key) and self.differs(key, before, self.state)}
         self.fresh.append((changed, events))
         self.end_of_order(order)
         return frozenset(events)
+
+    def effects_in_doubt(self, action: NumberAction) -> set[tuple]:
+        """What depends on a fact that the pages leave open."""
+        effects = [(when, fact) for when, _, fact in action.effects] + [(own[0], ("#", own[2])) for own in action.changes]
+        open_keys = {key for key, (source, _) in self.source.items() if source == SURMISED}
+        return {key for when, key in effects if open_keys and open_keys & keys_of(when)}
 
     def failed(self, action: NumberAction, order: int) -> None:
         """The end of a step that the robot says it could not do, or of which nobody knows the end."""

@@ -96,9 +96,13 @@ class Judge:
         """True for what counts as evidence: observed, or nothing can show it; with trust, any promise."""
         if not self.belief.visible(key):
             return self.belief.source_of(key)[0] != SURMISED
-        if self.settings.trust == "promised" or key in self.confirmed or not self.changes(key):
-            return True
-        return self.belief.source_of(key)[0] == OBSERVED
+        return self.settings.trust == "promised" or self.was_seen(key)
+
+    def was_seen(self, key: tuple) -> bool:
+        """As `evident`, but no promise counts."""
+        if not self.belief.visible(key):
+            return self.belief.source_of(key)[0] != SURMISED
+        return key in self.confirmed or not self.changes(key) or self.belief.source_of(key)[0] == OBSERVED
 
     def certain(self, key: tuple) -> bool:
         """True for all beliefs but those that the pages leave open."""
@@ -261,11 +265,15 @@ class Judge:
             self.strict_events |= events
             if self.looked:
                 # A stage is achieved in a state that was observed.
-                self.strict_progress = self.strict.on(self.strict_progress, self.belief.view(self.evident), self.strict_events)
-                self.strict_events = frozenset()
+                self.follow_strictly(self.was_seen)
         elif self.looked:
-            self.strict_progress = self.strict.start(self.belief.view(self.evident))
+            self.strict_progress = self.strict.start(self.belief.view(self.was_seen))
         self.progress = self.lenient.on(self.progress, self.belief.view(self.may_be_evident), events)
+
+    def follow_strictly(self, counts) -> None:
+        """Follows the stages as far as the facts count."""
+        self.strict_progress = self.strict.on(self.strict_progress, self.belief.view(counts), self.strict_events)
+        self.strict_events = frozenset()
 
     def may_be_evident(self, key: tuple) -> bool:
         """As `evident`, and what the pages leave open counts too."""
@@ -426,6 +434,8 @@ class Judge:
         if self.settings.trust != "promised":
             self.blame("a promise is trusted", str(event["unseen"]))
         ending.check_listed(self, event["unseen"])
+        if self.strict_progress is not None:
+            self.follow_strictly(self.evident)
 
     def on_stopped(self, event: dict) -> None:
         """The end of a run before its goal."""
