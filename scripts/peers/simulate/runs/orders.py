@@ -68,10 +68,10 @@ def check_step(judge, order) -> None:
     if judge.is_open(action.condition) or any(judge.is_open(when) for when, *_ in [*action.effects, *action.changes]):
         judge.counts["open order"] += 1
         return
-    conditions = dict(judge.purpose.kept)
     for fault in step_faults(judge.purpose, action, state):
         name = fault.removeprefix("breaks ")
-        if name in conditions and judge.is_open(conditions[name]):
+        # A rule has an instance for each binding of its variables, and all have its name.
+        if any(own == name and judge.is_open(condition) for own, condition in judge.purpose.kept):
             continue
         if not fault.startswith("forbidden"):
             judge.blame("precondition" if fault == "precondition" else "forbidden", f"order {order.number} {fault}")
