@@ -85,7 +85,7 @@ fn complete(
     let Some(variable) = rule.variables.get(bindings.len()) else {
         if !holds(Moment { world, state }, &rule.condition, bindings) {
             // Charges the list and the violation made from it.
-            effort::spend((3 + bindings.len()) * effort::KEPT);
+            effort::spend((2 * bindings.len()).saturating_sub(2).max(4) * effort::KEPT);
             broken.push(bindings.clone());
         }
         return;
