@@ -6,14 +6,15 @@ use longstep::report::Assessment;
 use longstep_core::environment::World;
 use longstep_core::goal::{self, GoalError};
 use longstep_core::json;
-use longstep_core::model::Prohibition;
+use longstep_core::model::{Prohibition, Wanted};
+use longstep_core::pddl;
 use longstep_core::plan;
 use longstep_core::verify::VerifiedPlan;
-use longstep_llm::load_domain;
+use longstep_llm::{load_domain, read_text};
 
 use crate::arguments::DraftArguments;
 use crate::failure::Failure;
-use crate::{inputs, show};
+use crate::{inputs, problem, show};
 
 /// A plan file, read and resolved.
 pub(crate) struct Draft {
@@ -21,25 +22,50 @@ pub(crate) struct Draft {
     draft: plan::Draft,
     /// The goal for which the plan was made, or for which it is to be run.
     goal: Option<Goal>,
+    /// The goal of a PDDL problem.
+    wanted: Vec<Wanted>,
+    /// What was assumed when the plan was read.
+    notes: Vec<String>,
 }
 
 impl Draft {
     pub(crate) fn read(arguments: &DraftArguments) -> Result<Self> {
-        let domain = load_domain(&arguments.domain)?;
-        let (draft, text) = inputs::plan(&arguments.plan)?;
+        let problem = match &arguments.problem {
+            Some(file) => Some(problem::read(arguments.domain.as_deref(), file)?),
+            None => None,
+        };
+        let domain = match &problem {
+            Some(problem) => problem.world.domain().clone(),
+            None => load_domain(arguments.domain.as_deref().unwrap_or("household"))?,
+        };
+        let text = read_text(&arguments.plan)?;
         let shown = arguments.plan.display().to_string();
-        let world = match (&arguments.env, &draft.file.environment_before) {
-            (Some(path), _) => inputs::world(&domain, path, None)?,
-            (None, Some(environment)) => {
+        // What a planner prints is read when its world is known.
+        let read = match inputs::draft(&arguments.plan, &text) {
+            Err(_) if pddl::is_plan(&domain, &text) => None,
+            read => Some(read?),
+        };
+        let before = read.as_ref().and_then(|draft| draft.file.environment_before.as_ref());
+        let (world, wanted) = match (problem, &arguments.env, before) {
+            (Some(problem), ..) => (problem.world, problem.wanted),
+            (None, Some(path), _) => (inputs::world(&domain, path, None)?, Vec::new()),
+            (None, None, Some(environment)) => {
                 let inside = json::Path::key("environment_before");
-                inputs::read_world(&domain, environment, &shown, &text, &inside)?
+                (
+                    inputs::read_world(&domain, environment, &shown, &text, &inside)?,
+                    Vec::new(),
+                )
             }
-            (None, None) => {
+            (None, None, None) => {
                 let failure = Failure::unreadable(format!("{shown} has no `environment_before`"));
                 return Err(failure
-                    .hint("pass the environment before the plan with `--env ENV.json`")
+                    .hint("pass the environment before the plan with `--env ENV.json`, or a PDDL problem with `--problem FILE.pddl`")
                     .into());
             }
+        };
+        let (draft, notes) = match read {
+            Some(draft) => (draft, Vec::new()),
+            None => inputs::printed_plan(&world, &shown, &text)?,
         };
         let mut world = inputs::with_rules(world, arguments.rules.as_deref())?;
         let mut goal = None;
@@ -62,7 +88,13 @@ impl Draft {
                 goal = Some(goal::parse(&world, text).map_err(wrong)?);
             }
         }
-        Ok(Self { world, draft, goal })
+        Ok(Self {
+            world,
+            draft,
+            goal,
+            wanted,
+            notes,
+        })
     }
 
     /// Replaces the goal for which the plan was made.
@@ -94,9 +126,10 @@ impl Draft {
 
     pub(crate) fn assessment(&self) -> Assessment<'_> {
         let assessment = Assessment::new(&self.world, self.draft.clone(), None);
-        match &self.goal {
+        let assessment = match &self.goal {
             Some(goal) => assessment.for_goal(goal.clone()),
             None => assessment,
-        }
+        };
+        assessment.wanting(self.wanted.clone()).noting(self.notes.clone())
     }
 }

@@ -7,6 +7,7 @@ use longstep::domain::{self, Domain};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::goal;
 use longstep_core::json;
+use longstep_core::pddl;
 use longstep_core::plan::{self, PlanFile, TaskCohesion};
 use longstep_llm::{load_domain, load_domain_with_prompt, plain_reason, read_text, write_whole};
 
@@ -98,18 +99,35 @@ pub(crate) fn read_world(
 /// Reads a plan, a script, or a model's reply that contains a plan; also returns the text, for positions in errors.
 pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
     let text = read_text(path)?;
+    Ok((draft(path, &text)?, text))
+}
+
+/// Reads the text of a plan file.
+pub(crate) fn draft(path: &Path, text: &str) -> Result<plan::Draft> {
+    let shown = path.display();
     if path.extension().is_some_and(|extension| extension == "py") {
-        let written = plan::script::read(&text)
-            .map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint))?;
-        let draft = plan::Draft {
+        let written = plan::script::read(text)
+            .map_err(|error| Failure::unreadable(format!("{shown}: {error}")).hint(error.hint))?;
+        return Ok(plan::Draft {
             file: PlanFile::from(TaskCohesion::from_written(written)),
             leniencies: Vec::new(),
-        };
-        return Ok((draft, text));
+        });
     }
-    let draft = plan::read(&text)
-        .map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint()))?;
-    Ok((draft, text))
+    Ok(plan::read(text).map_err(|error| Failure::unreadable(format!("{shown}: {error}")).hint(error.hint()))?)
+}
+
+/// Reads what a planner printed as a plan of the world; returns it with notes for a person.
+pub(crate) fn printed_plan(world: &World, shown: &str, text: &str) -> Result<(plan::Draft, Vec<String>)> {
+    let pddl::ForeignPlan { steps, notes } = pddl::read_plan(world, shown, text)?;
+    let steps = steps
+        .into_iter()
+        .map(|step| plan::Step::explained(world, step.action, step.arguments));
+    let written = TaskCohesion::new(world, &plan::Plan::sequence(steps.collect()));
+    let draft = plan::Draft {
+        file: PlanFile::from(written),
+        leniencies: Vec::new(),
+    };
+    Ok((draft, notes))
 }
 
 /// Writes a plan's file atomically.

@@ -7,7 +7,7 @@ use anyhow::Result;
 use longstep::domain;
 use longstep::report;
 use longstep::report::{Answer, Status};
-use longstep_core::pddl;
+use longstep_core::pddl::{self, Problem};
 use longstep_llm::read_text;
 
 use crate::arguments::SolveArguments;
@@ -17,15 +17,7 @@ use crate::{inputs, show};
 
 pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8> {
     let started = Instant::now();
-    let named = Path::new(arguments.domain.as_deref().unwrap_or("domain.pddl"));
-    let domain_file = if named.is_dir() {
-        named.join("domain.pddl")
-    } else {
-        named.to_owned()
-    };
-    let domain = domain::from_pddl(&domain_file.display().to_string(), &read_text(&domain_file)?)?;
-    let shown = problem_file.display().to_string();
-    let problem = pddl::read_problem(&domain, &shown, &read_text(problem_file)?)?;
+    let problem = read(arguments.domain.as_deref(), problem_file)?;
     let purpose = problem.purpose();
     let mut answer = report::of_purpose(
         &problem.world,
@@ -47,6 +39,19 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
         print(&answer);
     }
     Ok(answer.status.exit_code())
+}
+
+/// Reads a PDDL problem, and its domain: a file, or a folder with a `domain.pddl`.
+pub(crate) fn read(domain: Option<&str>, problem_file: &Path) -> Result<Problem> {
+    let named = Path::new(domain.unwrap_or("domain.pddl"));
+    let domain_file = if named.is_dir() {
+        named.join("domain.pddl")
+    } else {
+        named.to_owned()
+    };
+    let domain = domain::from_pddl(&domain_file.display().to_string(), &read_text(&domain_file)?)?;
+    let shown = problem_file.display().to_string();
+    Ok(pddl::read_problem(&domain, &shown, &read_text(problem_file)?)?)
 }
 
 /// Prints the plan, one step a line. All other lines are comments, so that other programs can read the plan.

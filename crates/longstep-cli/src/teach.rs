@@ -31,7 +31,8 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
     let draft = Draft::read(&DraftArguments {
         plan: arguments.plan.clone(),
         env: arguments.env.clone(),
-        domain: arguments.domain.clone(),
+        problem: None,
+        domain: Some(arguments.domain.clone()),
         rules: arguments.rules.clone(),
     })?;
     let plan = match draft.verified("taught") {

@@ -155,7 +155,11 @@ fn task(request: &Value, domain: &str, problem: &str) -> Anyhow<Value> {
 /// Verifies a plan as planners write it: the first step that is not applicable, validity, and the cost.
 fn verdict(world: &World, purpose: &Purpose, plan: &str) -> Anyhow<Value> {
     let explained = |step: GroundAction| Step::explained(world, step.action, step.arguments);
-    let steps = read_plan(world, "plan", plan)?.into_iter().map(explained).collect();
+    let steps = read_plan(world, "plan", plan)?
+        .steps
+        .into_iter()
+        .map(explained)
+        .collect();
     let report = check(world, Plan::sequence(steps), purpose);
     let inapplicable = report.violations.iter().find_map(|violation| match violation {
         Violation::Precondition { step, .. } => Some(*step),

@@ -105,7 +105,7 @@ fn check_plan(line: &str) -> Anyhow<()> {
     let domain = domain::from_pddl(domain_file, &std::fs::read_to_string(domain_file)?)?;
     let problem = pddl::read_problem(&domain, problem_file, &std::fs::read_to_string(problem_file)?)?;
     let text = std::fs::read_to_string(plan_file)?;
-    let steps = pddl::read_plan(&problem.world, plan_file, &text)?;
+    let steps = pddl::read_plan(&problem.world, plan_file, &text)?.steps;
     let length = steps.len();
     let explained = steps
         .into_iter()

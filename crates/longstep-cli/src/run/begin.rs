@@ -40,7 +40,8 @@ fn of_file(arguments: &RunArguments, path: &Path) -> Result<Result<Begun, u8>> {
     let mut draft = Draft::read(&DraftArguments {
         plan: path.to_owned(),
         env: arguments.env.clone(),
-        domain: arguments.domain.clone(),
+        problem: None,
+        domain: Some(arguments.domain.clone()),
         rules: arguments.rules.clone(),
     })?;
     if let Some(goal) = &arguments.goal {

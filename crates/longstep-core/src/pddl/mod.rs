@@ -2,8 +2,8 @@
 //!
 //! [`read_problem`] reads a problem file for a domain. [`write_problem`] writes a world and a goal as a problem that
 //! any planner reads together with the unchanged `domain.pddl`. [`GroundTask`] writes goals with an order and rules, which
-//! PDDL cannot say, as a task of its own. [`read_plan`] and [`write_plan`] read and write plans,
-//! one `(action argument ...)` per line.
+//! PDDL cannot say, as a task of its own. [`read_plan`] reads the plans of other planners in their notations, and
+//! [`write_plan`] writes one `(action argument ...)` per line.
 //!
 //! ```
 //! use longstep_core::search::{Limits, Outcome, solve};
@@ -24,6 +24,7 @@
 mod ground;
 mod names;
 mod plan;
+mod plan_lines;
 mod problem;
 #[cfg(test)]
 mod tests;
@@ -31,6 +32,6 @@ mod write;
 
 pub use ground::GroundTask;
 pub use names::object_names;
-pub use plan::{read_plan, write_plan};
+pub use plan::{ForeignPlan, is_plan, read_plan, write_plan};
 pub use problem::{Problem, read_problem};
 pub use write::{WriteError, write_goal, write_problem};

@@ -3,9 +3,9 @@
 use rustc_hash::FxHashMap;
 
 use super::object_names;
-use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
-use crate::domain::sexpr;
-use crate::model::{EntityId, World};
+use super::plan_lines::{Line, Lines};
+use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
+use crate::model::{Domain, EntityId, World};
 use crate::plan::Step;
 use crate::search::GroundAction;
 
@@ -25,16 +25,44 @@ pub fn write_plan(world: &World, steps: &[Step]) -> String {
     plan
 }
 
-/// Parses a planner's plan for a problem of this world; comments are skipped.
+/// A plan of another planner.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ForeignPlan {
+    /// Its steps, in the order in which they begin.
+    pub steps: Vec<GroundAction>,
+    /// What was assumed about it, for a person.
+    pub notes: Vec<String>,
+}
+
+/// Returns true if a text may be the plan of a planner: it has no JSON, and most of its lines, or some with the names of actions of
+/// this domain, are steps.
+pub fn is_plan(domain: &Domain, text: &str) -> bool {
+    if text.trim_start().starts_with(['{', '[', '<']) {
+        return false;
+    }
+    let lines = Lines::read(text, |word| is_action(domain, word));
+    let known = |line: &Line| is_action(domain, &line.words[0].text);
+    let filled = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with(';');
+    let steps = lines.steps.len();
+    lines.steps.iter().any(known) || (steps > 0 && 2 * steps > text.lines().filter(filled).count())
+}
+
+fn is_action(domain: &Domain, word: &str) -> bool {
+    domain.actions.iter().any(|action| action.name == word)
+}
+
+/// Parses the plan of a planner for this world: steps as `(move a b)`, with times and durations, as `move(a, b)` or as
+/// `step 0: MOVE A B`, a line each. Comments, headings and the rest of a log are skipped; of several plans the last one counts.
+/// Steps with times are taken one after another in the order in which they begin.
 ///
 /// Applicability is not checked; see [`crate::verify::check`].
 ///
 /// # Errors
 ///
-/// All unknown actions and objects, wrong numbers of arguments and arguments of the wrong type, with their positions.
-pub fn read_plan(world: &World, file: &str, text: &str) -> Result<Vec<GroundAction>, Diagnostics> {
+/// All unknown actions and objects, wrong numbers of arguments and arguments of the wrong type, with their positions; no step.
+pub fn read_plan(world: &World, file: &str, text: &str) -> Result<ForeignPlan, Diagnostics> {
     let domain = world.domain();
-    let lines = sexpr::read(file, text).map_err(|finding| Diagnostics(vec![finding]))?;
+    let lines = Lines::read(text, |word| is_action(domain, word));
     let names = object_names(world);
     let entities: FxHashMap<&str, EntityId> = names
         .iter()
@@ -47,15 +75,14 @@ pub fn read_plan(world: &World, file: &str, text: &str) -> Result<Vec<GroundActi
         finding.hint = near.map(|near| format!("did you mean `{near}`?"));
         findings.push(finding);
     };
-    let mut steps = Vec::with_capacity(lines.len());
-    let mut misfits = Vec::new();
-    for line in &lines {
-        let words = line.list().unwrap_or_default();
+    let mut steps = Vec::with_capacity(lines.steps.len());
+    let misfit = |position: &Position| Diagnostic::at(file, *position, "expected `(action argument ...)`");
+    let mut misfits: Vec<Diagnostic> = lines.misfits.iter().map(misfit).collect();
+    for Line { words, .. } in &lines.steps {
         let Some((head, arguments)) = words.split_first() else {
-            misfits.push(Diagnostic::at(file, line.position, "expected `(action argument ...)`"));
             continue;
         };
-        let name = head.word().unwrap_or("(...)");
+        let name = head.text.as_str();
         let Some((id, action)) = domain.action_ids().find(|(_, action)| action.name == name) else {
             let known = domain.actions.iter().map(|action| action.name.as_str());
             unknown(head.position, "action", name, nearest(name, known));
@@ -67,12 +94,12 @@ pub fn read_plan(world: &World, file: &str, text: &str) -> Result<Vec<GroundActi
                 action.parameters.len(),
                 arguments.len()
             );
-            misfits.push(Diagnostic::at(file, line.position, message));
+            misfits.push(Diagnostic::at(file, head.position, message));
             continue;
         }
         let mut bound = Vec::with_capacity(arguments.len());
         for (argument, parameter) in arguments.iter().zip(&action.parameters) {
-            let name = argument.word().unwrap_or("(...)");
+            let name = argument.text.as_str();
             let Some(entity) = entities.get(name).copied() else {
                 let near = nearest(name, names.iter().map(String::as_str));
                 unknown(argument.position, "object", name, near);
@@ -91,9 +118,36 @@ pub fn read_plan(world: &World, file: &str, text: &str) -> Result<Vec<GroundActi
         });
     }
     findings.extend(misfits);
-    if findings.is_empty() {
-        Ok(steps)
-    } else {
-        Err(Diagnostics::sorted(findings))
+    let is_comment = |line: &str| line.trim().is_empty() || line.trim_start().starts_with(';');
+    if steps.is_empty() && findings.is_empty() && !text.lines().all(is_comment) {
+        return Err(Diagnostics(vec![Diagnostic::whole(
+            file,
+            "no step: expected `(action argument ...)` on each line",
+        )]));
     }
+    if !findings.is_empty() {
+        return Err(Diagnostics::sorted(findings));
+    }
+    let mut notes = Vec::new();
+    if lines.earlier > 0 {
+        notes.push(format!(
+            "the file has {} plans; the last one was taken",
+            lines.earlier + 1
+        ));
+    }
+    if lines.overlaps {
+        notes.push(
+            "steps of this plan are under way at the same time; it was read as steps one after another, in the order in which they begin"
+                .to_owned(),
+        );
+    }
+    if let Some(first) = lines.skipped.first() {
+        let line = text.lines().nth(first - 1).unwrap_or_default().trim();
+        let shown: String = line.chars().take(60).collect();
+        notes.push(format!(
+            "{} line(s) between the steps are no steps and were left out; the first is line {first}: {shown}",
+            lines.skipped.len()
+        ));
+    }
+    Ok(ForeignPlan { steps, notes })
 }

@@ -29,7 +29,7 @@ fn plan(problem: &str) -> String {
     match solve(&problem.world, &problem.purpose(), &Limits::default()) {
         Outcome::Solved { plan, .. } => {
             let written = write_plan(&problem.world, plan.steps());
-            let read = read_plan(&problem.world, "plan", &written).unwrap();
+            let read = read_plan(&problem.world, "plan", &written).unwrap().steps;
             let steps = plan.steps().iter().map(|step| (step.action, &step.arguments));
             assert!(read.iter().map(|step| (step.action, &step.arguments)).eq(steps));
             let explained = |s: crate::search::GroundAction| Step::explained(&problem.world, s.action, s.arguments);
@@ -124,10 +124,36 @@ fn mistakes_in_plans_are_told_with_their_place() {
         "plan:2:8: unknown object `cop`\n  hint: did you mean `cup`?\n\
          plan:3:8: `low` is no thing\n\
          plan:3:12: `cup` is no place\n\
-         plan:4:1: `carry` takes 3 argument(s), not 1\n\
-         plan:5:2: unknown action `bury`\n\
-         plan:6:1: expected `(action argument ...)`"
+         plan:4:2: `carry` takes 3 argument(s), not 1\n\
+         plan:5:2: unknown action `bury`"
     );
+}
+
+#[test]
+fn what_was_assumed_about_a_plan_is_told() {
+    let domain = shelves();
+    let text = "(define (problem p) (:domain shelves) (:objects cup - thing low - place) (:init) (:goal (and)))";
+    let world = read_problem(&domain, "p.pddl", text).unwrap().world;
+    let read = |plan: &str| read_plan(&world, "plan", plan).map(|plan| (plan.steps.len(), plan.notes.join("; ")));
+    for (plan, expected) in [
+        ("(rest)\n(rest)", ""),
+        (
+            "0: (rest) [2]\n1: (rest) [2]",
+            "steps of this plan are under way at the same time; it was read as steps one after another, in the order in which they begin",
+        ),
+        (
+            "(rest)\nhm\n(rest)\nfine",
+            "1 line(s) between the steps are no steps and were left out; the first is line 2: hm",
+        ),
+    ] {
+        assert_eq!(read(plan).unwrap(), (2, expected.to_owned()), "{plan}");
+    }
+    let two = "; Plan found with metric 2\n(rest)\n(rest)\n; Plan found with metric 1\n(rest)";
+    assert_eq!(
+        read(two).unwrap(),
+        (1, "the file has 2 plans; the last one was taken".to_owned())
+    );
+    assert!(read("nothing here").unwrap_err().to_string().contains("no step"));
 }
 
 #[test]

@@ -8,6 +8,7 @@ use super::solution::reasons;
 use super::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::environment::{Claim, Voice, World};
 use crate::goal::{Goal, Mentions};
+use crate::model::Wanted;
 use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Pins, RepairOutcome, Repaired, repair_pinned, why_unsolvable};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
@@ -111,6 +112,22 @@ impl<'a> Assessment<'a> {
             repair: OnceCell::new(),
             ..self
         }
+    }
+
+    /// Sets conditions that have to hold at the end: the goal of a PDDL problem.
+    #[must_use]
+    pub fn wanting(mut self, wanted: Vec<Wanted>) -> Self {
+        self.purpose.wanted.extend(wanted);
+        self.simulation = OnceCell::new();
+        self.repair = OnceCell::new();
+        self
+    }
+
+    /// Adds notes for a person, which the answer has.
+    #[must_use]
+    pub fn noting(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.notes.extend(notes);
+        self
     }
 
     /// Sets the steps that a repair must keep.

@@ -1,0 +1,316 @@
+//! The steps of a plan as planners print them.
+//!
+//! Fast Downward and its relatives write `(move a b)` a line, temporal planners (POPF, OPTIC, TFD, LPG) and VAL `0.003: (move a b)
+//! [5.0]`, Metric-FF `step 0: MOVE A B`, Fast Downward's own output `move a b (1)`, and unified-planning `move(a, b)`. All of
+//! them may stand in a log, in a list or in a fence.
+
+use crate::diagnostic::Position;
+
+/// One word of a step, in lower case.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Word {
+    pub(super) text: String,
+    pub(super) position: Position,
+}
+
+/// A line that is a step.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Line {
+    /// The name of the action and its arguments.
+    pub(super) words: Vec<Word>,
+    /// When it begins; none in a plan without times.
+    pub(super) start: Option<f64>,
+    /// How long it takes.
+    duration: Option<f64>,
+}
+
+/// The steps of a text.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Lines {
+    /// In the order in which they begin.
+    pub(super) steps: Vec<Line>,
+    /// The lines that look like steps and are none.
+    pub(super) misfits: Vec<Position>,
+    /// True if two steps are under way at the same time.
+    pub(super) overlaps: bool,
+    /// The lines between its steps that are none, by number.
+    pub(super) skipped: Vec<usize>,
+    /// Number of plans before this one; planners print each better plan behind the last one.
+    pub(super) earlier: usize,
+}
+
+impl Lines {
+    /// Reads the last plan of a text. `is_action` decides whether a word, in lower case, is the name of an action: a step without
+    /// any bracket is one only then.
+    pub(super) fn read(text: &str, is_action: impl Fn(&str) -> bool) -> Self {
+        let mut plans = vec![Self::default()];
+        let mut counted = false;
+        // Lines that are between two steps if another step follows.
+        let mut behind = Vec::new();
+        for (index, line) in text.lines().enumerate() {
+            if begins_a_plan(line) && plans.last().is_some_and(|plan| !plan.steps.is_empty()) {
+                plans.push(Self::default());
+                behind.clear();
+            }
+            let Some(plan) = plans.last_mut() else { continue };
+            let reader = Reader::new(line, index + 1);
+            match reader.line(counted, &is_action) {
+                Found::Step(step) => {
+                    counted |= step.start.is_some();
+                    plan.steps.push(step);
+                    plan.skipped.append(&mut behind);
+                }
+                Found::Misfit(position) => plan.misfits.push(position),
+                Found::Nothing if line.trim().is_empty() || line.trim_start().starts_with([';', '#', '`']) => {}
+                Found::Nothing if plan.steps.is_empty() => {}
+                Found::Nothing => behind.push(index + 1),
+            }
+        }
+        plans.retain(|plan| !plan.steps.is_empty() || !plan.misfits.is_empty());
+        let earlier = plans.len().saturating_sub(1);
+        let mut last = plans.pop().unwrap_or_default();
+        // Steps that begin at the same time stay in their order, and so do those without a time.
+        last.steps.sort_by(|one, other| match (one.start, other.start) {
+            (Some(one), Some(other)) => one.total_cmp(&other),
+            _ => std::cmp::Ordering::Equal,
+        });
+        last.overlaps = last.steps.windows(2).any(|pair| pair[0].overlaps(&pair[1]));
+        last.earlier = earlier;
+        last
+    }
+}
+
+impl Line {
+    fn overlaps(&self, next: &Self) -> bool {
+        match (self.start, self.duration, next.start) {
+            (Some(start), Some(duration), Some(next)) => start + duration > next + 1e-9,
+            _ => false,
+        }
+    }
+}
+
+/// True for what planners print before each plan that they find.
+fn begins_a_plan(line: &str) -> bool {
+    let line = line.trim_start_matches([';', ' ', '\t']).to_ascii_lowercase();
+    [
+        "plan found",
+        "solution found",
+        "found a plan",
+        "ff: found legal plan",
+        "solution number",
+    ]
+    .iter()
+    .any(|words| line.starts_with(words))
+}
+
+enum Found {
+    Step(Line),
+    Misfit(Position),
+    Nothing,
+}
+
+/// A line, and how much of it is read.
+struct Reader<'a> {
+    line: &'a str,
+    rest: &'a str,
+    number: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn new(line: &'a str, number: usize) -> Self {
+        Self {
+            line,
+            rest: line.trim_end(),
+            number,
+        }
+    }
+
+    /// Returns the place of a part of the line.
+    fn offset(&self, part: &str) -> usize {
+        part.as_ptr() as usize - self.line.as_ptr() as usize
+    }
+
+    /// Returns the position of a byte of the line.
+    fn position(&self, offset: usize) -> Position {
+        Position {
+            line: u32::try_from(self.number).unwrap_or(u32::MAX),
+            column: u32::try_from(offset + 1).unwrap_or(u32::MAX),
+        }
+    }
+
+    fn skip(&mut self, bytes: usize) {
+        self.rest = self.rest[bytes..].trim_start();
+    }
+
+    /// Takes a number at the beginning, if one of `end` follows it.
+    fn number_before(&mut self, end: &[char]) -> Option<f64> {
+        let is_digit = |c: char| c.is_ascii_digit() || (c == '.' && !end.contains(&c));
+        let digits = self.rest.find(|c: char| !is_digit(c))?;
+        let number = self.rest[..digits].parse().ok()?;
+        let behind = self.rest[digits..].trim_start();
+        let end = end.iter().find(|end| behind.starts_with(**end))?;
+        self.rest = behind[end.len_utf8()..].trim_start();
+        Some(number)
+    }
+
+    /// Reads the line; `counted` says that steps before it had numbers.
+    fn line(mut self, counted: bool, is_action: &impl Fn(&str) -> bool) -> Found {
+        self.skip(0);
+        if self.rest.starts_with("- ") || self.rest.starts_with("* ") {
+            self.skip(2);
+        }
+        let quotes = ['`', '"', '\''];
+        if self.rest.starts_with(quotes) {
+            self.skip(1);
+        }
+        let is_counted = self.rest.get(..4).is_some_and(|word| word.eq_ignore_ascii_case("step"));
+        if is_counted {
+            self.skip(4);
+        }
+        let start = self.number_before(&[':']);
+        // A number of a list says nothing about time.
+        let is_listed = start.is_none() && self.number_before(&['.', ')']).is_some();
+        let position = self.position(self.offset(self.rest));
+        let (inside, behind) = match self.rest.strip_prefix('(') {
+            Some(rest) => match rest.split_once(')') {
+                Some((inside, behind)) if !inside.contains('(') => {
+                    self.skip(1);
+                    (inside, behind)
+                }
+                _ => return Found::Misfit(position),
+            },
+            None => return self.bare(start, counted || is_counted || is_listed, is_action),
+        };
+        let words = self.words(inside, &[]);
+        match words.is_empty() {
+            true => Found::Misfit(position),
+            false => self.step(words, start, behind),
+        }
+    }
+
+    /// Reads a step without brackets, or with brackets behind its name.
+    fn bare(self, start: Option<f64>, is_counted: bool, is_action: &impl Fn(&str) -> bool) -> Found {
+        let end = |c: char| c.is_whitespace() || matches!(c, '(' | ',' | ':');
+        let name = self.rest.split(end).next().unwrap_or_default();
+        if !is_action(&name.to_ascii_lowercase()) {
+            return Found::Nothing;
+        }
+        let behind_name = self.rest[name.len()..].trim_start();
+        if let Some(arguments) = behind_name.strip_prefix('(')
+            && let Some((arguments, behind)) = arguments.split_once(')')
+        {
+            // The cost of a step of Fast Downward's own output.
+            if !arguments.is_empty()
+                && arguments.bytes().all(|c| c.is_ascii_digit())
+                && self.rest[name.len()..].starts_with(' ')
+            {
+                let words = self.words(name, &[]);
+                return self.step(words, start, behind);
+            }
+            let inside = &self.rest[..self.rest.len() - behind.len() - 1];
+            let words = self.words(inside, &['(', ',', ')']);
+            return self.step(words, start, behind);
+        }
+        let (words, cost) = match self.rest.rsplit_once('(') {
+            Some((words, cost)) => (words, Some(cost)),
+            None => (self.rest, None),
+        };
+        let is_cost = |cost: &str| cost.strip_suffix(')').is_some_and(|cost| cost.parse::<f64>().is_ok());
+        if !cost.map_or(is_counted || start.is_some(), is_cost) {
+            return Found::Nothing;
+        }
+        let words = self.words(words.split('[').next().unwrap_or_default(), &[]);
+        self.step(words, start, "")
+    }
+
+    /// Splits the words of a part of the line.
+    fn words(&self, inside: &'a str, also: &[char]) -> Vec<Word> {
+        let before = self.offset(inside);
+        let is_end = |c: char| c.is_whitespace() || also.contains(&c);
+        let mut words = Vec::new();
+        let mut place = 0;
+        for word in inside.split_inclusive(is_end) {
+            let text = word.trim_end_matches(is_end);
+            if !text.is_empty() {
+                words.push(Word {
+                    text: text.to_ascii_lowercase(),
+                    position: self.position(before + place),
+                });
+            }
+            place += word.len();
+        }
+        words
+    }
+
+    fn step(&self, words: Vec<Word>, start: Option<f64>, behind: &str) -> Found {
+        let behind = behind.trim_start();
+        let duration = behind.strip_prefix('[').and_then(|rest| rest.split_once(']'));
+        Found::Step(Line {
+            words,
+            start,
+            duration: duration.and_then(|(number, _)| number.trim_start_matches("D:").trim().parse().ok()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> String {
+        let is_action = |word: &str| matches!(word, "move" | "pick-up" | "rest");
+        let lines = Lines::read(text, is_action);
+        let steps = lines.steps.iter().map(|step| {
+            let words: Vec<&str> = step.words.iter().map(|word| word.text.as_str()).collect();
+            words.join(" ")
+        });
+        steps.collect::<Vec<_>>().join("; ")
+    }
+
+    #[test]
+    fn the_notations_of_planners_are_read() {
+        for (text, expected) in [
+            (
+                "(move a b)\n(PICK-UP c )\n; cost = 2 (unit cost)\n",
+                "move a b; pick-up c",
+            ),
+            ("0.000: (move a b)  [5.000]\n 5.001:   (rest)\t[1]", "move a b; rest"),
+            ("5: (MOVE B C) [1]\n0.0002: (MOVE A B) [5]", "move a b; move b c"),
+            (
+                "ff: found legal plan as follows\nstep    0: MOVE A B\n        1: PICK-UP C\n\ntime spent",
+                "move a b; pick-up c",
+            ),
+            (
+                "[t=0.1s] Solution found!\nmove a b (1)\nrest (1)\n[t=0.2s] Plan length: 2 step(s).",
+                "move a b; rest",
+            ),
+            ("SequentialPlan:\n    move(a, b)\n    rest()", "move a b; rest"),
+            ("    0.0: move(a, b) [5.0]", "move a b"),
+            ("1. (move a b)\n2) rest()\n- `(rest)`", "move a b; rest; rest"),
+            (
+                "; Plan found with metric 9\n0: (rest) [1]\n; Plan found with metric 5\n0: (move a b) [1]",
+                "move a b",
+            ),
+            ("The robot should move carefully.\nIt can rest.\nmove it", ""),
+            ("", ""),
+        ] {
+            assert_eq!(read(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn words_have_their_places() {
+        let lines = Lines::read("  0.1: (move  a b)\n move(a, c)", |word| word == "move");
+        let places = lines.steps.iter().flat_map(|step| &step.words);
+        let places: Vec<(u32, u32)> = places.map(|word| (word.position.line, word.position.column)).collect();
+        assert_eq!(places, [(1, 9), (1, 15), (1, 17), (2, 2), (2, 7), (2, 10)]);
+    }
+
+    #[test]
+    fn what_is_under_way_at_the_same_time_is_told() {
+        let overlaps = |text: &str| Lines::read(text, |_| false).overlaps;
+        assert!(overlaps("0: (move a b) [5]\n4.9: (rest) [1]"));
+        assert!(!overlaps("0: (move a b) [5]\n5: (rest) [1]"));
+        assert!(!overlaps("(move a b)\n(rest)"));
+    }
+}
