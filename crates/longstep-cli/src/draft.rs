@@ -7,7 +7,7 @@ use longstep_core::environment::World;
 use longstep_core::goal::{self, GoalError};
 use longstep_core::json;
 use longstep_core::model::{Prohibition, Wanted};
-use longstep_core::pddl;
+use longstep_core::pddl::{self, Problem};
 use longstep_core::plan;
 use longstep_core::verify::VerifiedPlan;
 use longstep_llm::{load_domain, read_text};
@@ -30,33 +30,21 @@ pub(crate) struct Draft {
 
 impl Draft {
     pub(crate) fn read(arguments: &DraftArguments) -> Result<Self> {
-        let problem = match &arguments.problem {
-            Some(file) => Some(problem::read(arguments.domain.as_deref(), file)?),
-            None => None,
-        };
-        let domain = match &problem {
-            Some(problem) => problem.world.domain().clone(),
-            None => load_domain(arguments.domain.as_deref().unwrap_or("household"))?,
-        };
-        let text = read_text(&arguments.plan)?;
+        if let Some(file) = &arguments.problem {
+            let problem = problem::read(arguments.domain.as_deref(), file)?;
+            return Self::for_problem(arguments, problem);
+        }
+        let domain = load_domain(arguments.domain.as_deref().unwrap_or("household"))?;
+        let (read, text) = Self::text(arguments, &domain)?;
         let shown = arguments.plan.display().to_string();
-        // What a planner prints is read when its world is known.
-        let read = match inputs::draft(&arguments.plan, &text) {
-            Err(_) if pddl::is_plan(&domain, &text) => None,
-            read => Some(read?),
-        };
         let before = read.as_ref().and_then(|draft| draft.file.environment_before.as_ref());
-        let (world, wanted) = match (problem, &arguments.env, before) {
-            (Some(problem), ..) => (problem.world, problem.wanted),
-            (None, Some(path), _) => (inputs::world(&domain, path, None)?, Vec::new()),
-            (None, None, Some(environment)) => {
+        let world = match (&arguments.env, before) {
+            (Some(path), _) => inputs::world(&domain, path, None)?,
+            (None, Some(environment)) => {
                 let inside = json::Path::key("environment_before");
-                (
-                    inputs::read_world(&domain, environment, &shown, &text, &inside)?,
-                    Vec::new(),
-                )
+                inputs::read_world(&domain, environment, &shown, &text, &inside)?
             }
-            (None, None, None) => {
+            (None, None) => {
                 let failure = Failure::unreadable(format!("{shown} has no `environment_before`"));
                 return Err(failure
                     .hint("pass the environment before the plan with `--env ENV.json`, or a PDDL problem with `--problem FILE.pddl`")
@@ -92,8 +80,40 @@ impl Draft {
             world,
             draft,
             goal,
-            wanted,
+            wanted: Vec::new(),
             notes,
+        })
+    }
+
+    /// Reads the text of a plan file; none in place of a draft for what a planner prints, which is read when its world is known.
+    fn text(
+        arguments: &DraftArguments,
+        domain: &longstep_core::domain::Domain,
+    ) -> Result<(Option<plan::Draft>, String)> {
+        let text = read_text(&arguments.plan)?;
+        let read = match inputs::draft(&arguments.plan, &text) {
+            Err(_) if pddl::is_plan(domain, &text) => None,
+            read => Some(read?),
+        };
+        Ok((read, text))
+    }
+
+    fn for_problem(arguments: &DraftArguments, problem: Problem) -> Result<Self> {
+        let Problem {
+            world, wanted, notes, ..
+        } = problem;
+        let (read, text) = Self::text(arguments, world.domain())?;
+        let of_problem = notes.iter().map(ToString::to_string);
+        let (draft, notes) = match read {
+            Some(draft) => (draft, Vec::new()),
+            None => inputs::printed_plan(&world, &arguments.plan.display().to_string(), &text)?,
+        };
+        Ok(Self {
+            world,
+            draft,
+            goal: None,
+            wanted,
+            notes: of_problem.chain(notes).collect(),
         })
     }
 

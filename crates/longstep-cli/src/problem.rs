@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use longstep::domain;
 use longstep::report;
 use longstep::report::{Answer, Status};
 use longstep_core::pddl::{self, Problem};
@@ -28,6 +27,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
         stopwatch,
     )
     .answer;
+    answer.notes.extend(problem.notes.iter().map(ToString::to_string));
     answer.goal = pddl::write_goal(&problem.world, &problem.wanted)?;
     answer.timings_ms.total = milliseconds(started);
     if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
@@ -49,9 +49,10 @@ pub(crate) fn read(domain: Option<&str>, problem_file: &Path) -> Result<Problem>
     } else {
         named.to_owned()
     };
-    let domain = domain::from_pddl(&domain_file.display().to_string(), &read_text(&domain_file)?)?;
-    let shown = problem_file.display().to_string();
-    Ok(pddl::read_problem(&domain, &shown, &read_text(problem_file)?)?)
+    let text = read_text(problem_file)?;
+    let domain =
+        longstep_core::domain::from_pddl_for(&domain_file.display().to_string(), &read_text(&domain_file)?, &text)?;
+    Ok(pddl::read_problem(&domain, &problem_file.display().to_string(), &text)?)
 }
 
 /// Prints the plan, one step a line. All other lines are comments, so that other programs can read the plan.

@@ -30,6 +30,39 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
     let mut findings = Vec::new();
     let semantics = pddl::read(file, text, Dialect::Standard, &mut findings);
+    finished(file, semantics, findings)
+}
+
+/// Reads a domain as [`from_pddl`] does, together with the text of a problem: objects of the problem that the actions name are
+/// constants, which some planners accept without a declaration.
+///
+/// # Errors
+///
+/// All errors in the text of the domain, with their positions. What is wrong in the problem is told by
+/// [`crate::pddl::read_problem`].
+///
+/// ```
+/// let domain = "(define (domain dock) (:predicates (at ?x))
+///     (:action return :parameters () :precondition () :effect (at base)))";
+/// let problem = "(define (problem p) (:domain dock) (:objects base) (:init) (:goal (at base)))";
+/// let domain = longstep_core::domain::from_pddl_for("dock.pddl", domain, problem)?;
+/// assert_eq!(domain.constants.len(), 1);
+/// # Ok::<(), longstep_core::diagnostic::Diagnostics>(())
+/// ```
+pub fn from_pddl_for(file: &str, text: &str, problem: &str) -> Result<Domain, Diagnostics> {
+    let mut own = pddl::foreign::read(file, text).map_err(|finding| Diagnostics(vec![finding]))?;
+    if let Some(define) = own.expressions.first_mut()
+        && let Ok(problem) = pddl::foreign::read_problem("", problem)
+        && let Some(problem) = problem.expressions.first()
+    {
+        pddl::foreign::declare_constants(define, problem);
+    }
+    let mut findings = Vec::new();
+    let semantics = pddl::read_expressions(file, &own.expressions, Dialect::Standard, &mut findings);
+    finished(file, semantics, findings)
+}
+
+fn finished(file: &str, semantics: Semantics, mut findings: Vec<Diagnostic>) -> Result<Domain, Diagnostics> {
     let counts = [
         semantics.types.len(),
         semantics.constants.len(),

@@ -23,7 +23,7 @@ pub use crate::model::{
     base_name, ends_with, head, label, matches_name, phrase, plain_words, singular, stem,
 };
 pub use crate::model::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
-pub use bare::{DeclarationPositions, adapted, declaration_positions, from_pddl};
+pub use bare::{DeclarationPositions, adapted, declaration_positions, from_pddl, from_pddl_for};
 pub use files::Files;
 pub use load::{content_position, load, load_with_findings, read_toml};
 pub use shipped::{shipped, shipped_files, shipped_names};

@@ -44,6 +44,22 @@ impl Number {
         Some(Self(if negative { -size } else { size }))
     }
 
+    /// Parses a decimal as [`Number::parse`] does, with any number of places; those after the sixth are rounded away.
+    pub fn parse_rounded(text: &str) -> Option<Self> {
+        let is_long = |(_, places): &(&str, &str)| places.len() > Self::PLACES && text.is_ascii();
+        let Some((_, places)) = text.split_once('.').filter(is_long) else {
+            return Self::parse(text);
+        };
+        let kept = Self::parse(&text[..text.len() - places.len() + Self::PLACES])?;
+        let rest = &places[Self::PLACES..];
+        if !rest.bytes().all(|byte| byte.is_ascii_digit()) {
+            return None;
+        }
+        let away = i64::from(rest.as_bytes()[0] >= b'5');
+        let away = if text.starts_with('-') { -away } else { away };
+        kept.0.checked_add(away).and_then(Self::of_millionths)
+    }
+
     /// Creates the number of so many millionths; none for the one value that is reserved.
     pub(crate) fn of_millionths(millionths: i64) -> Option<Self> {
         (millionths != i64::MIN).then_some(Self(millionths))
@@ -114,6 +130,22 @@ impl fmt::Display for Number {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn places_that_are_not_kept_are_rounded() {
+        for (text, expected) in [
+            ("2.5", Some("2.5")),
+            ("0.3333333333", Some("0.333333")),
+            ("-0.66666666", Some("-0.666667")),
+            ("2499.9999999", Some("2500")),
+            ("1.000000x", None),
+            ("1.00000\u{0663}\u{0663}", None),
+            ("x.0000000", None),
+        ] {
+            let number = Number::parse_rounded(text).map(|number| number.to_string());
+            assert_eq!(number.as_deref(), expected, "{text}");
+        }
+    }
 
     #[test]
     fn decimals_are_read_and_written_exactly() {

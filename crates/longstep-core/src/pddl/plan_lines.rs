@@ -91,16 +91,18 @@ impl Line {
 
 /// True for what planners print before each plan that they find.
 fn begins_a_plan(line: &str) -> bool {
-    let line = line.trim_start_matches([';', ' ', '\t']).to_ascii_lowercase();
+    let line = line.to_ascii_lowercase();
+    let is_remark = |word: &str| line.trim_start_matches([';', ' ', '\t']).starts_with(word);
     [
         "plan found",
         "solution found",
         "found a plan",
-        "ff: found legal plan",
+        "found legal plan",
         "solution number",
     ]
     .iter()
-    .any(|words| line.starts_with(words))
+    .any(|words| line.contains(words))
+        || (line.starts_with(';') && is_remark("makespan"))
 }
 
 enum Found {

@@ -5,8 +5,8 @@ use rustc_hash::FxHashMap;
 
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
-use crate::domain::pddl::{Dialect, Reader, Semantics};
-use crate::domain::sexpr::{self, Expression};
+use crate::domain::pddl::{Dialect, Reader, Semantics, foreign};
+use crate::domain::sexpr::Expression;
 use crate::model::{
     Arithmetic, Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, Function, Number, Predicate, PredicateId,
     State, Words, World,
@@ -23,6 +23,8 @@ pub struct Problem {
     pub world: World,
     /// The goal, as conditions that must all hold at the end.
     pub wanted: Vec<Wanted>,
+    /// What was left out or read in another way than it is written.
+    pub notes: Vec<Diagnostic>,
 }
 
 impl Problem {
@@ -46,8 +48,11 @@ impl Problem {
 /// sections, a problem for another domain.
 pub fn read_problem(domain: &Domain, file: &str, text: &str) -> Result<Problem, Diagnostics> {
     let mut findings = Vec::new();
-    let problem = match sexpr::read(file, text) {
-        Ok(expressions) => read(domain, file, &expressions, &mut findings),
+    let problem = match foreign::read_problem(file, text) {
+        Ok(own) => read(domain, file, &own.expressions, &mut findings).map(|mut problem| {
+            problem.notes.extend(own.notes);
+            problem
+        }),
         Err(finding) => {
             findings.push(finding);
             None
@@ -128,6 +133,10 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
             return None;
         }
         for (name, kind, position) in reader.typed_list(items, &names.types) {
+            // Some problems declare the constants of their domain again.
+            if domain.constants.iter().any(|own| *own == (name.clone(), kind)) {
+                continue;
+            }
             if numbers
                 .insert(name.clone(), EntityId::new(names.constants.len()))
                 .is_some()
@@ -162,13 +171,15 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
             reader.atom(atom, &Vec::new(), &names);
         }
     }
+    let mut notes = Vec::new();
     for (section, items) in of(":metric") {
         let is_cost = |items: &[Expression]| matches!(items, [word, cost] if word.word() == Some("minimize") && cost.tail_of("total-cost") == Some(&[]));
         if !is_cost(items) {
-            reader.report(
-                section.position,
-                "the only metric that is supported is `minimize (total-cost)`",
-            );
+            let message = match domain.has_costs() {
+                true => "this metric is left out: a plan costs what its steps add to `(total-cost)`",
+                false => "this metric is left out: a plan costs as much as it has steps",
+            };
+            notes.push(Diagnostic::at(file, section.position, message));
         }
     }
     let mut wanted = Vec::new();
@@ -199,7 +210,12 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
     let environment = environment(domain, &entities, &state);
     let mut world = World::new(domain, entities, environment);
     world.state = state;
-    Some(Problem { name, world, wanted })
+    Some(Problem {
+        name,
+        world,
+        wanted,
+        notes,
+    })
 }
 
 /// Returns the declaration of a numeric function.

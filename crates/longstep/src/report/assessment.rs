@@ -8,9 +8,9 @@ use super::solution::reasons;
 use super::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::environment::{Claim, Voice, World};
 use crate::goal::{Goal, Mentions};
-use crate::model::Wanted;
 use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Pins, RepairOutcome, Repaired, repair_pinned, why_unsolvable};
+use crate::search::Wanted;
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
 
 /// Maximum number of edits that a hint lists; more are only counted.

@@ -1,5 +1,7 @@
 //! PDDL of others: what is written in another way than this library reads is rewritten, with a note.
 
+use rustc_hash::FxHashSet;
+
 use super::REQUIREMENTS;
 use super::durative;
 use crate::diagnostic::{Diagnostic, Position};
@@ -40,6 +42,77 @@ pub(crate) fn read(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
         adapt(file, define, &mut notes);
     }
     Ok(Adapted { expressions, notes })
+}
+
+/// Reads a problem file of any origin.
+pub(crate) fn read_problem(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
+    let mut notes = Vec::new();
+    let text = without_fence(text);
+    let mut expressions = closed(file, &text, &mut notes)?;
+    for expression in &mut expressions {
+        split_words(expression);
+    }
+    let is_of = |own: &Expression, kind: &str| {
+        own.tail_of("define")
+            .is_some_and(|sections| head_of(sections) == Some(kind))
+    };
+    if expressions.iter().any(|own| is_of(own, "problem")) {
+        expressions.retain(|own| !is_of(own, "domain"));
+    }
+    Ok(Adapted { expressions, notes })
+}
+
+/// Declares the objects of a problem that the actions of a domain name and that it does not declare as constants.
+pub(crate) fn declare_constants(define: &mut Expression, problem: &Expression) {
+    let (Some(sections), Some(of_problem)) = (define.tail_of("define"), problem.tail_of("define")) else {
+        return;
+    };
+    let mut used = FxHashSet::default();
+    for section in sections.iter().filter(|section| section.tail_of(":action").is_some()) {
+        words(section, &mut used);
+    }
+    let declared = sections
+        .iter()
+        .filter_map(|section| section.tail_of(":constants"))
+        .flatten();
+    for name in declared.filter_map(Expression::word) {
+        used.remove(name);
+    }
+    let mut items = vec![Expression::of_word(":constants", define.position)];
+    for objects in of_problem.iter().filter_map(|section| section.tail_of(":objects")) {
+        let mut waiting = Vec::new();
+        let mut objects = objects.iter();
+        while let Some(item) = objects.next() {
+            match item.word() {
+                Some("-") => {
+                    if let Some(kind) = objects.next().filter(|_| !waiting.is_empty()) {
+                        items.append(&mut waiting);
+                        items.extend([item.clone(), kind.clone()]);
+                    }
+                }
+                Some(name) if used.contains(name) => waiting.push(item.clone()),
+                _ => {}
+            }
+        }
+        items.append(&mut waiting);
+    }
+    if items.len() > 1 {
+        let position = define.position;
+        if let ExpressionKind::List(sections) = &mut define.kind {
+            sections.push(Expression::of_items(items, position));
+        }
+    }
+}
+
+/// Collects the words of an expression that are no variables.
+fn words<'a>(expression: &'a Expression, all: &mut FxHashSet<&'a str>) {
+    match (expression.word(), expression.list()) {
+        (Some(word), _) if !word.starts_with(['?', ':']) => {
+            all.insert(word);
+        }
+        (_, Some(items)) => items.iter().for_each(|item| words(item, all)),
+        _ => {}
+    }
 }
 
 fn head_of(sections: &[Expression]) -> Option<&str> {
@@ -175,6 +248,58 @@ fn types(file: &str, section: &mut Expression, notes: &mut Vec<Diagnostic>) {
         let name = own.word().unwrap_or_default().to_owned();
         notes.push(note(file, &own, format!("the type `{name}` is no type below itself")));
     }
+    object_below_another(file, items, notes);
+}
+
+/// `object` is above every type, so a type above it is as wide: what is below `object` belongs to that type.
+fn object_below_another(file: &str, items: &mut Vec<Expression>, notes: &mut Vec<Diagnostic>) {
+    let Some((place, top)) = parent_of(items, "object").filter(|(_, top)| top.word() != Some("object")) else {
+        return;
+    };
+    let own = items.remove(place);
+    let name = top.word().unwrap_or_default();
+    notes.push(note(
+        file,
+        &own,
+        format!("`object` is above every type, so every type is below `{name}`"),
+    ));
+    let is_object = |index: usize, items: &[Expression]| index > 0 && items[index - 1].word() == Some("-");
+    for index in 0..items.len() {
+        if items[index].word() == Some("object") && is_object(index, items) {
+            items[index] = top.clone();
+        }
+    }
+    // Types without a parent, at the end of the list.
+    let last = items
+        .iter()
+        .rposition(|item| item.word() == Some("-"))
+        .map_or(1, |dash| dash + 2);
+    if items[last.min(items.len())..]
+        .iter()
+        .any(|item| item.word() != top.word())
+    {
+        items.extend([Expression::of_word("-", own.position), top.clone()]);
+    }
+    // The wide type is below `object` only.
+    while let Some((place, parent)) = parent_of(items, name).filter(|(_, parent)| parent.word() == top.word()) {
+        items.remove(place);
+        let _ = parent;
+    }
+}
+
+/// Returns where a type is declared, and its parent.
+fn parent_of(items: &[Expression], name: &str) -> Option<(usize, Expression)> {
+    let mut begin = 1;
+    for (index, item) in items.iter().enumerate() {
+        if item.word() == Some("-") {
+            let found = (begin..index).find(|place| items[*place].word() == Some(name));
+            if let (Some(place), Some(parent)) = (found, items.get(index + 1)) {
+                return Some((place, parent.clone()));
+            }
+            begin = index + 2;
+        }
+    }
+    None
 }
 
 /// Writes a domain that was rewritten.

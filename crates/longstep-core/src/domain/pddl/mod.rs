@@ -64,18 +64,27 @@ pub(crate) struct Semantics {
 
 /// Parses a domain file; appends errors to `findings` and returns everything that could be read.
 pub(crate) fn read(file: &str, text: &str, dialect: Dialect, findings: &mut Vec<Diagnostic>) -> Semantics {
-    let mut semantics = Semantics::default();
     let read = match dialect {
         Dialect::Longstep => sexpr::read(file, text),
         Dialect::Standard => foreign::read(file, text).map(|own| own.expressions),
     };
-    let expressions = match read {
-        Ok(expressions) => expressions,
+    match read {
+        Ok(expressions) => read_expressions(file, &expressions, dialect, findings),
         Err(finding) => {
             findings.push(finding);
-            return semantics;
+            Semantics::default()
         }
-    };
+    }
+}
+
+/// Parses the expressions of a domain file, as [`read`] does.
+pub(crate) fn read_expressions(
+    file: &str,
+    expressions: &[Expression],
+    dialect: Dialect,
+    findings: &mut Vec<Diagnostic>,
+) -> Semantics {
+    let mut semantics = Semantics::default();
     let Some((define, sections)) = expressions
         .first()
         .and_then(|first| Some((first, first.tail_of("define")?)))

@@ -1,7 +1,7 @@
 //! Numeric functions, expressions and changes.
 
 use super::conditions::Effects;
-use super::{Reader, Scope, Semantics, TOTAL_COST};
+use super::{Dialect, Reader, Scope, Semantics, TOTAL_COST};
 use crate::domain::sexpr::Expression;
 use crate::domain::{Condition, Predicate, TypeId};
 use crate::model::{
@@ -56,7 +56,12 @@ impl Reader<'_> {
     /// Parses a numeric expression; reports errors.
     pub(crate) fn number(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<NumericExpression> {
         let Some(list) = item.list() else {
-            let number = item.word().and_then(Number::parse);
+            // Planners write numbers with more places than are kept.
+            let parse = match self.dialect {
+                Dialect::Longstep => Number::parse,
+                Dialect::Standard => Number::parse_rounded,
+            };
+            let number = item.word().and_then(parse);
             if number.is_none() {
                 let message = format!(
                     "`{}` is no number: expected digits with at most six places after the point, or `(function ...)`",
