@@ -81,6 +81,68 @@ fn tasks_are_exchanged_with_planners() {
 }
 
 #[test]
+fn plans_of_planners_are_verified_and_repaired() {
+    let goal = "put(butter, shelf top)";
+    let (_, problem, _) = longstep(&["solve", "--goal", goal, "--env", PANTRY, "--pddl"]);
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let problem = file("problem.pddl", &problem);
+    let task = ["--problem", &problem, "--domain", "domains/household/domain.pddl"];
+    let (_, plan, _) = longstep(&[&["solve"], &task[..]].concat());
+    let steps: Vec<&str> = plan.lines().filter(|line| line.starts_with('(')).collect();
+    let timed = |(place, step): (usize, &&str)| format!("{place}.001: {} [0.500]\n", step.to_uppercase());
+    let called = |step: &&str| {
+        let (name, arguments) = step.trim_matches(['(', ')']).split_once(' ').unwrap();
+        format!("    {name}({})\n", arguments.replace(' ', ", "))
+    };
+    let timed: String = steps.iter().enumerate().map(timed).collect();
+    let called: String = steps.iter().map(called).collect();
+    let two = format!(
+        "; Plan found with metric 9\n0: {} [1]\n; Plan found with metric 4\n{timed}",
+        steps[0]
+    );
+    for (name, text, code, shown) in [
+        ("solve.plan", plan.clone(), 0, ""),
+        ("popf.plan", timed, 0, ""),
+        ("up.txt", format!("SequentialPlan:\n{called}"), 0, ""),
+        ("anytime.plan", two, 0, "the last one was taken"),
+        ("short.plan", steps[1..].join("\n"), 10, "step 1"),
+        (
+            "typo.plan",
+            format!("{}\n(fly butter)", steps[0]),
+            30,
+            "typo.plan:2:2: unknown action `fly`",
+        ),
+        (
+            "words.txt",
+            "Walk to the shelf and put the butter down.".to_owned(),
+            30,
+            "words.txt",
+        ),
+    ] {
+        let path = file(name, &text);
+        let (found, stdout, stderr) = longstep(&[&["verify", &path], &task[..]].concat());
+        assert_eq!(found, code, "{name}: {stdout}{stderr}");
+        assert!(format!("{stdout}{stderr}").contains(shown), "{name}: {stdout}{stderr}");
+    }
+    let short = folder.path().join("short.plan");
+    let saved = folder.path().join("mended.json");
+    let (short, saved) = (short.to_str().unwrap(), saved.to_str().unwrap());
+    let (code, stdout, _) = longstep(&[&["repair", short, "--save", saved], &task[..]].concat());
+    assert_eq!(code, 0, "{stdout}");
+    // The goal of the problem is the purpose: a plan that does nothing is valid and does not reach it.
+    let empty = file("empty.plan", "; cost = 0 (unit cost)\n");
+    assert_eq!(longstep(&[&["verify", &empty], &task[..]].concat()).0, 10);
+    // The plan fits the environment too, whose names the problem has in another notation.
+    let solved = file("solve.plan", &plan);
+    assert_eq!(longstep(&["verify", &solved, "--env", PANTRY]).0, 0);
+}
+
+#[test]
 fn goals_are_solved() {
     snapshot!("solve", &["solve", "--goal", "put(butter, shelf top)", "--env", PANTRY]);
     snapshot!(

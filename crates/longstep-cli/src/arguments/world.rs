@@ -27,10 +27,10 @@ pub(crate) struct DraftArguments {
     #[arg(long, value_name = "ENV.json")]
     pub(crate) env: Option<PathBuf>,
     /// PDDL problem: the world before the plan, and the goal that it has to reach
-    #[arg(long, value_name = "FILE.pddl", conflicts_with_all = ["env", "rules"])]
+    #[arg(long, value_name = "FILE.pddl", requires = "domain", conflicts_with_all = ["env", "rules"])]
     pub(crate) problem: Option<PathBuf>,
     /// Domain (the robot's actions): the name of a shipped domain, or a folder; with --problem, a PDDL file or its folder
-    /// [default: household, or domain.pddl with --problem]
+    /// [default: household]
     #[arg(long, value_name = "DOMAIN")]
     pub(crate) domain: Option<String>,
     /// File of rules that bind every plan, one a line: never opened(fridge)

@@ -35,7 +35,7 @@ pub struct ForeignPlan {
 }
 
 /// Returns true if a text may be the plan of a planner: it has no JSON, and most of its lines, or some with the names of actions of
-/// this domain, are steps.
+/// this domain, are steps. A plan without steps has comments only.
 pub fn is_plan(domain: &Domain, text: &str) -> bool {
     if text.trim_start().starts_with(['{', '[', '<']) {
         return false;
@@ -43,8 +43,9 @@ pub fn is_plan(domain: &Domain, text: &str) -> bool {
     let lines = Lines::read(text, |word| is_action(domain, word));
     let known = |line: &Line| is_action(domain, &line.words[0].text);
     let filled = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with(';');
-    let steps = lines.steps.len();
-    lines.steps.iter().any(known) || (steps > 0 && 2 * steps > text.lines().filter(filled).count())
+    let (steps, filled) = (lines.steps.len(), text.lines().filter(filled).count());
+    let is_empty_plan = filled == 0 && text.contains(';');
+    is_empty_plan || lines.steps.iter().any(known) || (steps > 0 && 2 * steps > filled)
 }
 
 fn is_action(domain: &Domain, word: &str) -> bool {

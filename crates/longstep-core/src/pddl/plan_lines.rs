@@ -98,6 +98,7 @@ fn begins_a_plan(line: &str) -> bool {
         "solution found",
         "found a plan",
         "found legal plan",
+        "rescheduled plan",
         "solution number",
     ]
     .iter()

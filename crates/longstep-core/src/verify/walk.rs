@@ -493,7 +493,7 @@ impl<'a> Walk<'a> {
         let new = |way: &Way| {
             let changed = self.changed(way);
             // Lists are compared with the initial state's, hashed and stored.
-            effort::spend(4 + kept_units(&changed) / 2);
+            effort::spend(4 + self.world.domain().predicates.len() + kept_units(&changed) / 2);
             seen.insert(changed)
         };
         ways.into_iter().filter(new).collect()
