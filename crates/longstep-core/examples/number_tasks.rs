@@ -31,7 +31,7 @@ fn task(paths: &[&str]) -> Result<Value, Box<dyn std::error::Error>> {
     let problem = read_problem(&domain, problem_path, &std::fs::read_to_string(problem_path)?)?;
     let (world, purpose) = (&problem.world, problem.purpose());
     if let Some(path) = plan.first() {
-        let steps = read_plan(world, path, &std::fs::read_to_string(path)?)?;
+        let steps = read_plan(world, path, &std::fs::read_to_string(path)?)?.steps;
         let explained = |step: GroundAction| Step::explained(world, step.action, step.arguments);
         let steps = steps.into_iter().map(explained).collect();
         let report = check(world, Plan::sequence(steps), &purpose);

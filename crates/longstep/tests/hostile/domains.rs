@@ -68,7 +68,9 @@ fn checked(parameters: &str, precondition: &str, effect: &str, objects: usize, s
     Box::new(move || {
         let domain = domain::from_pddl("domain.pddl", &domain).unwrap_or_else(|e| panic!("{e}"));
         let problem = pddl::read_problem(&domain, "problem.pddl", &problem).unwrap_or_else(|e| panic!("{e}"));
-        let steps = pddl::read_plan(&problem.world, "plan", &plan).unwrap_or_else(|e| panic!("{e}"));
+        let steps = pddl::read_plan(&problem.world, "plan", &plan)
+            .unwrap_or_else(|e| panic!("{e}"))
+            .steps;
         let explained = |step: longstep_core::search::GroundAction| {
             longstep_core::plan::Step::explained(&problem.world, step.action, step.arguments)
         };
