@@ -37,7 +37,7 @@ pub struct ForeignPlan {
 /// Returns true if a text may be the plan of a planner: it has no JSON, and most of its lines, or some with the names of actions of
 /// this domain, are steps. A plan without steps has comments only.
 pub fn is_plan(domain: &Domain, text: &str) -> bool {
-    if text.trim_start().starts_with(['{', '[', '<']) {
+    if text.contains('{') || text.trim_start().starts_with(['[', '<']) {
         return false;
     }
     let lines = Lines::read(text, |word| is_action(domain, word));
