@@ -97,7 +97,7 @@ fn mistakes_in_problems_are_told_with_their_place() {
     assert_eq!(plan("(problem p)"), "p.pddl:1:1: no `(define (problem NAME) ...)`");
     assert_eq!(
         plan("(define (problem p"),
-        "p.pddl:1:1: this `(` is never closed\n  hint: add the missing `)`"
+        "p.pddl:1:9: this `(` is never closed\n  hint: add the missing `)`"
     );
 }
 

@@ -94,9 +94,7 @@ class Judge:
 
     def evident(self, key: tuple) -> bool:
         """True for what counts as evidence: observed, or nothing can show it; with trust, any promise."""
-        if not self.belief.visible(key):
-            return self.belief.source_of(key)[0] != SURMISED
-        return self.settings.trust == "promised" or self.was_seen(key)
+        return self.was_seen(key) or (self.settings.trust == "promised" and self.belief.visible(key))
 
     def was_seen(self, key: tuple) -> bool:
         """As `evident`, but no promise counts."""

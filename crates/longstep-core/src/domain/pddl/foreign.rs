@@ -17,26 +17,17 @@ pub(crate) struct Adapted {
 /// Reads a domain file of any origin.
 pub(crate) fn read(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
     let mut notes = Vec::new();
-    let text = without_fence(text);
-    let mut expressions = closed(file, &text, &mut notes)?;
-    for expression in &mut expressions {
-        split_words(expression);
-    }
-    let is_domain = |own: &Expression| {
-        own.tail_of("define")
-            .is_some_and(|sections| head_of(sections) == Some("domain"))
-    };
-    let is_problem = |own: &Expression| {
-        own.tail_of("define")
-            .is_some_and(|sections| head_of(sections) == Some("problem"))
-    };
-    if expressions.len() > 1 && expressions.iter().any(is_domain) && expressions.iter().any(is_problem) {
+    let mut expressions = parsed(file, text, &mut notes)?;
+    if expressions.len() > 1
+        && expressions.iter().any(|own| is_of(own, "domain"))
+        && expressions.iter().any(|own| is_of(own, "problem"))
+    {
         notes.push(note(
             file,
             &expressions[0],
             "the file has a problem too; only the domain is read here",
         ));
-        expressions.retain(|own| !is_problem(own));
+        expressions.retain(|own| !is_of(own, "problem"));
     }
     if let Some(define) = expressions.first_mut() {
         adapt(file, define, &mut notes);
@@ -47,15 +38,7 @@ pub(crate) fn read(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
 /// Reads a problem file of any origin.
 pub(crate) fn read_problem(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
     let mut notes = Vec::new();
-    let text = without_fence(text);
-    let mut expressions = closed(file, &text, &mut notes)?;
-    for expression in &mut expressions {
-        split_words(expression);
-    }
-    let is_of = |own: &Expression, kind: &str| {
-        own.tail_of("define")
-            .is_some_and(|sections| head_of(sections) == Some(kind))
-    };
+    let mut expressions = parsed(file, text, &mut notes)?;
     if expressions.iter().any(|own| is_of(own, "problem")) {
         expressions.retain(|own| !is_of(own, "domain"));
     }
@@ -113,6 +96,20 @@ fn words<'a>(expression: &'a Expression, all: &mut FxHashSet<&'a str>) {
         (_, Some(items)) => items.iter().for_each(|item| words(item, all)),
         _ => {}
     }
+}
+
+/// Reads expressions in a fence, with glued words, or without the last closing parenthesis.
+fn parsed(file: &str, text: &str, notes: &mut Vec<Diagnostic>) -> Result<Vec<Expression>, Diagnostic> {
+    let mut expressions = closed(file, &without_fence(text), notes)?;
+    expressions.iter_mut().for_each(split_words);
+    Ok(expressions)
+}
+
+/// True for the definition of a `domain` or a `problem`.
+fn is_of(expression: &Expression, kind: &str) -> bool {
+    expression
+        .tail_of("define")
+        .is_some_and(|sections| head_of(sections) == Some(kind))
 }
 
 fn head_of(sections: &[Expression]) -> Option<&str> {
@@ -281,9 +278,8 @@ fn object_below_another(file: &str, items: &mut Vec<Expression>, notes: &mut Vec
         items.extend([Expression::of_word("-", own.position), top.clone()]);
     }
     // The wide type is below `object` only.
-    while let Some((place, parent)) = parent_of(items, name).filter(|(_, parent)| parent.word() == top.word()) {
+    while let Some((place, _)) = parent_of(items, name).filter(|(_, parent)| parent.word() == top.word()) {
         items.remove(place);
-        let _ = parent;
     }
 }
 
