@@ -3,10 +3,12 @@
 //! [`lint`] sees the domain only, [`lint_environment`] also an environment. They prefer precision: uncertain cases give no
 //! finding.
 
+mod effects;
 mod environments;
 mod explanations;
 mod names;
 mod never;
+mod notation;
 mod obsolete;
 mod places;
 mod reach;
@@ -64,6 +66,22 @@ lints! {
     UselessAction = "useless-action",
     /// An action that makes one fact both true and false.
     ContradictoryEffect = "contradictory-effect",
+    /// Two facts that are both true after an action, although other actions exchange one for the other.
+    ConflictingFacts = "conflicting-facts",
+    /// An effect with its arguments in another order than in other actions.
+    SwappedArguments = "swapped-arguments",
+    /// An action after which nothing says where or how an entity is.
+    VanishedObject = "vanished-object",
+    /// A side effect that no action takes back.
+    LostFact = "lost-fact",
+    /// A fact that actions only make true, although entities would have to leave it.
+    PermanentFact = "permanent-fact",
+    /// An effect that the precondition of its action implies.
+    IdleEffect = "idle-effect",
+    /// An effect on all entities of an action that is about one.
+    EffectOnAll = "effect-on-all",
+    /// A number that an action changes away from the limit of its precondition.
+    WrongDirection = "wrong-direction",
     /// A fact of environments that no action changes and nothing reads.
     DeadState = "dead-state",
     /// A predicate that is never used.
@@ -152,6 +170,7 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     let reads = Reads::of(domain);
     let mut findings = never::findings(domain, &reach, &reads, &places);
     findings.extend(reads::findings(domain, &reads, &places));
+    findings.extend(effects::findings(domain, &reach, &places));
     findings.extend(names::findings(domain, &reach, &places));
     findings.extend(explanations::findings(domain, &reach, &places));
     findings.extend(obsolete::findings(&places));

@@ -1,11 +1,12 @@
 //! Lints about actions, goals, rules and facts that no environment and no plan can bring about.
 
+use super::notation::{shown, shown_term};
 use super::places::Places;
 use super::reach::{Obstacle, Reach, kinds};
 use super::reads::Reads;
 use super::{Finding, Lint, quoted};
 use crate::model::{Action, Domain, Parameter, PredicateId};
-use crate::model::{Atom, Condition, Term, When};
+use crate::model::{Condition, Term, When};
 
 pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, reads: &Reads, places: &Places<'_>) -> Vec<Finding> {
     let mut family = Family {
@@ -197,18 +198,21 @@ impl Family<'_> {
                 )
             }
             Obstacle::Contradiction { atom, forall: false } => (
-                format!("needs `{}` and its opposite", self.shown(atom, parameters)),
+                format!("needs `{}` and its opposite", shown(domain, atom, parameters)),
                 "take one of the two out".to_owned(),
             ),
             Obstacle::Contradiction { atom, forall: true } => (
                 format!(
                     "needs `{}`, and its opposite of everything",
-                    self.shown(atom, parameters)
+                    shown(domain, atom, parameters)
                 ),
                 "leave the thing itself out of the `forall`, as in `(imply (not (= ?other ?item)) ...)`".to_owned(),
             ),
             Obstacle::Equality { left, right, holds } => {
-                let (left, right) = (self.term(*left, parameters), self.term(*right, parameters));
+                let (left, right) = (
+                    shown_term(domain, *left, parameters),
+                    shown_term(domain, *right, parameters),
+                );
                 let why = if *holds {
                     format!("needs `{left}` and `{right}` to be the same thing, and they never are")
                 } else {
@@ -223,7 +227,7 @@ impl Family<'_> {
             Obstacle::Mismatch(atom) => (
                 format!(
                     "needs `{}`, and no entity is of both types",
-                    self.shown(atom, parameters)
+                    shown(domain, atom, parameters)
                 ),
                 self.types_of_entities(),
             ),
@@ -255,25 +259,6 @@ impl Family<'_> {
             Obstacle::Equality { .. } => "=".to_owned(),
             Obstacle::Empty(kind) => self.domain.types.name(*kind).to_owned(),
             Obstacle::Nothing => "or".to_owned(),
-        }
-    }
-
-    fn shown(&self, atom: &Atom, parameters: &[Parameter]) -> String {
-        let mut text = format!("({}", self.domain.predicate(atom.predicate).name);
-        for term in &atom.terms {
-            text.push(' ');
-            text.push_str(&self.term(*term, parameters));
-        }
-        text + ")"
-    }
-
-    fn term(&self, term: Term, parameters: &[Parameter]) -> String {
-        match term {
-            // The domain does not keep the names of quantified variables.
-            Term::Variable(slot) => parameters
-                .get(slot)
-                .map_or_else(|| "?...".to_owned(), |parameter| format!("?{}", parameter.name)),
-            Term::Constant(entity) => self.domain.constants[entity.index()].0.clone(),
         }
     }
 }
