@@ -114,7 +114,13 @@ fn action(items: &[Expression], position: Position, costs: bool) -> Expression {
         .iter()
         .filter(|own| !is_overwritten(own))
         .map(|own| (**own).clone());
-    let mut changes: Vec<Expression> = first.chain(last.iter().map(|own| (*own).clone())).collect();
+    // What the start takes and the end gives back, such as a free robot, is no change.
+    let is_given_back = |own: &Expression| {
+        let mut taken = brought.iter().filter(|start| same(atom(start), atom(own)));
+        taken.next().is_some() && is_literal(own) && needed.iter().any(|condition| same(condition, own))
+    };
+    let last = last.iter().filter(|own| !is_given_back(own)).map(|own| (*own).clone());
+    let mut changes: Vec<Expression> = first.chain(last).collect();
     if let (true, Some(duration)) = (costs, &duration) {
         let total = Expression::of_items(vec![Expression::of_word("total-cost", position)], position);
         changes.push(Expression::of_items(

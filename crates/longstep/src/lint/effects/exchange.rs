@@ -11,7 +11,7 @@ use crate::lint::{Finding, Lint, quoted};
 use crate::model::{Atom, PredicateId, Term};
 
 /// A predicate and the position of the entity that keeps its place in the exchange; none for a fact without arguments.
-type Role = (PredicateId, Option<usize>);
+pub(super) type Role = (PredicateId, Option<usize>);
 
 /// One fact of an action for another one about the same entity.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -29,17 +29,14 @@ impl Exchanges {
     pub(super) fn of(rules: &Rules<'_>) -> Self {
         let mut all = Vec::new();
         for (index, facts) in rules.actions.iter().enumerate() {
-            for lost in facts.needs.iter().filter(|atom| facts.removes(atom)) {
-                for gained in facts.adds.iter().filter(|atom| !facts.needs.contains(atom)) {
-                    let exchange = |(lost, gained)| Exchange {
-                        action: index,
-                        lost,
-                        gained,
-                    };
-                    if rules.is_state(lost.predicate) && rules.is_state(gained.predicate) {
-                        all.extend(common_roles(lost, gained).into_iter().map(exchange));
-                    }
-                }
+            let pairs = pairs(rules, facts);
+            for (lost, gained) in &pairs {
+                let exchange = |(lost, gained)| Exchange {
+                    action: index,
+                    lost,
+                    gained,
+                };
+                all.extend(common_roles(lost, gained).into_iter().map(exchange));
             }
         }
         Self(all)
@@ -54,10 +51,44 @@ impl Exchanges {
         actions.dedup();
         actions
     }
+
+    /// Returns true if the action exchanges the two roles for each other and for nothing else.
+    fn is_only(&self, action: usize, left: Role, right: Role) -> bool {
+        let own = self.0.iter().filter(|own| own.action == action);
+        let mut of_entity = own.filter(|own| [own.lost, own.gained].iter().any(|role| [left, right].contains(role)));
+        of_entity.all(|own| {
+            [(left, right), (right, left)].contains(&(own.lost, own.gained)) || own.lost.1.is_none() || left.1.is_none()
+        })
+    }
+}
+
+/// Returns the facts that the action gives up, each with the facts that it makes true instead. A fact that is exchanged for
+/// one of its own predicate, such as a place for a place, is exchanged for no other.
+fn pairs<'a>(rules: &Rules<'_>, facts: &ActionFacts<'a>) -> Vec<(&'a Atom, &'a Atom)> {
+    let is_state = |atom: &&&Atom| rules.is_state(atom.predicate);
+    let lost: Vec<&Atom> = facts
+        .needs
+        .iter()
+        .filter(|atom| facts.removes(atom))
+        .filter(is_state)
+        .copied()
+        .collect();
+    let gained = facts.adds.iter().filter(|atom| !facts.needs.contains(atom));
+    let gained: Vec<&Atom> = gained.filter(is_state).copied().collect();
+    let moves = |atom: &Atom, others: &[&Atom]| others.iter().any(|other| other.predicate == atom.predicate);
+    let mut pairs = Vec::new();
+    for own in &lost {
+        for other in &gained {
+            if own.predicate == other.predicate || !moves(own, &gained) && !moves(other, &lost) {
+                pairs.push((*own, *other));
+            }
+        }
+    }
+    pairs
 }
 
 /// Returns the roles of each parameter that both atoms name, or of none if one has no arguments.
-fn common_roles(left: &Atom, right: &Atom) -> Vec<(Role, Role)> {
+pub(super) fn common_roles(left: &Atom, right: &Atom) -> Vec<(Role, Role)> {
     if left.terms.is_empty() || right.terms.is_empty() {
         return vec![((left.predicate, None), (right.predicate, None))];
     }
@@ -120,9 +151,11 @@ fn contradicting(rules: &Rules<'_>, exchanges: &Exchanges, index: usize, left: R
                 seconds.any(|second| common_roles(first, second).contains(&(left, right)))
             })
     };
-    match rules.actions.iter().enumerate().any(together) {
-        true => Vec::new(),
-        false => others,
+    let lasts = |role: Role| !rules.changes(role.0, false);
+    let is_clear = others.len() > 1 || others.iter().all(|own| exchanges.is_only(*own, left, right));
+    match is_clear && !lasts(left) && !lasts(right) && !rules.actions.iter().enumerate().any(together) {
+        true => others,
+        false => Vec::new(),
     }
 }
 
@@ -186,7 +219,7 @@ pub(super) fn vanished_objects(rules: &Rules<'_>, exchanges: &Exchanges, finding
         {
             for (position, term) in lost.terms.iter().enumerate() {
                 let role = (lost.predicate, Some(position));
-                if facts.adds_about(*term) || !matches!(term, Term::Variable(_)) {
+                if facts.adds_about(*term) || !is_movable(rules, facts, *term) || removed_about(facts, *term) > 1 {
                     continue;
                 }
                 if let Some((other, gained)) = replacement(rules, exchanges, index, role, lost) {
@@ -211,6 +244,21 @@ pub(super) fn vanished_objects(rules: &Rules<'_>, exchanges: &Exchanges, finding
     }
 }
 
+/// Returns true for a parameter that may be anywhere: no place.
+fn is_movable(rules: &Rules<'_>, facts: &ActionFacts<'_>, term: Term) -> bool {
+    let Term::Variable(slot) = term else { return false };
+    !rules.is_place(facts.action.parameters[slot].kind)
+}
+
+/// Counts the facts about the term that the action makes false. More than one is the end of an entity, such as a finished order.
+fn removed_about(facts: &ActionFacts<'_>, term: Term) -> usize {
+    facts
+        .needs
+        .iter()
+        .filter(|atom| atom.terms.contains(&term) && facts.removes(atom))
+        .count()
+}
+
 /// Returns another action that replaces the fact, with the predicate that it makes true instead. Only for a new fact about
 /// something that the action at `index` also has among its parameters, or if that action makes nothing true at all.
 fn replacement(
@@ -221,6 +269,9 @@ fn replacement(
     lost: &Atom,
 ) -> Option<(usize, PredicateId)> {
     let facts = &rules.actions[index];
+    if facts.adds.iter().any(|atom| atom.predicate == lost.predicate) {
+        return None;
+    }
     let makes_nothing = facts.action.numeric.is_empty() && facts.action.effects.iter().all(|effect| !effect.adds);
     let named = facts.parameters_of(lost);
     let others = (0..facts.action.parameters.len()).filter(|slot| !named.contains(slot));

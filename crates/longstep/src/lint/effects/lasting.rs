@@ -2,6 +2,7 @@
 
 use super::Rules;
 use super::action_facts::{ActionFacts, is_certain};
+use super::exchange::common_roles;
 use crate::lint::notation::shown;
 use crate::lint::{Finding, Lint, quoted};
 use crate::model::{Atom, Condition, Domain, Effect, PredicateId, Unknown};
@@ -105,17 +106,18 @@ fn is_lost(rules: &Rules<'_>, facts: &ActionFacts<'_>, effect: &Effect, required
     }
     let happens =
         about.clone().any(|atom| rules.domain.words(atom.predicate).event) || !facts.action.numeric.is_empty();
-    is_repeated || happens || is_of_places(rules, facts, &named) || is_given(rules.domain, predicate)
+    is_repeated || happens || is_given(rules.domain, predicate) || {
+        let is_about = about.clone().any(|atom| rules.is_state(atom.predicate));
+        !is_about && is_of_places(rules, facts, &named)
+    }
 }
 
 /// Returns true if all of the parameters are places: they stay, and so does most of what is true of them.
 fn is_of_places(rules: &Rules<'_>, facts: &ActionFacts<'_>, named: &[usize]) -> bool {
-    let environment = &rules.domain.environment;
-    let types = &rules.domain.types;
-    let apart =
-        !types.is_a(environment.object, environment.asset) && !types.is_a(environment.asset, environment.object);
-    let is_place = |slot: &usize| types.is_a(facts.action.parameters[*slot].kind, environment.asset);
-    apart && !named.is_empty() && named.iter().all(is_place)
+    !named.is_empty()
+        && named
+            .iter()
+            .all(|slot| rules.is_place(facts.action.parameters[*slot].kind))
 }
 
 /// Returns true if the domain treats the predicate as one that never changes.
@@ -142,11 +144,26 @@ fn is_barred(rules: &Rules<'_>, facts: &ActionFacts<'_>, effect: &Effect, requir
     let named = facts.parameters_of(&effect.atom);
     facts.adds.iter().any(|atom| {
         let own = facts.parameters_of(atom);
-        atom.predicate != predicate
-            && named.iter().all(|slot| own.contains(slot))
-            && rules.is_state(atom.predicate)
-            && rules.changes(atom.predicate, false)
+        let includes = named.iter().all(|slot| own.contains(slot));
+        atom.predicate != predicate && includes && is_balanced(rules, facts, &effect.atom, atom)
     })
+}
+
+/// Returns true if the action exchanges another fact for `gained` that some action gives back, such as a place for a place or
+/// a shelf for the hand: then it is meant to be done again. Without such a fact, `changed` is the price of `gained`.
+fn is_balanced(rules: &Rules<'_>, facts: &ActionFacts<'_>, changed: &Atom, gained: &Atom) -> bool {
+    let effects = facts.action.effects.iter();
+    let mut given_up = effects.filter(|own| !own.adds && own.atom.predicate != changed.predicate);
+    rules.is_state(gained.predicate)
+        && given_up.any(|own| {
+            let (from, to) = (own.atom.predicate, gained.predicate);
+            let gives_back = |other: &ActionFacts<'_>| {
+                let mut effects = other.action.effects.iter();
+                let removes = effects.any(|effect| !effect.adds && effect.atom.predicate == to);
+                removes && other.adds.iter().any(|atom| atom.predicate == from)
+            };
+            rules.is_state(from) && (from == to || rules.actions.iter().any(gives_back))
+        })
 }
 
 /// Reports facts that actions only make true, although this cannot be meant.
@@ -167,35 +184,50 @@ pub(super) fn permanent_facts(rules: &Rules<'_>, findings: &mut Vec<Finding>) {
 /// A predicate, the action that makes it true, a message, and the action that should make it false.
 type Permanent = (String, String, String, String);
 
-/// Finds a fact that held before each action that makes it true: these need what only actions bring about that need the
-/// fact itself.
+/// Finds a fact that each action makes true again that comes after it: `put` needs what only `pick` brings about, `pick` needs the
+/// fact, and neither makes it false.
 fn held_before(rules: &Rules<'_>, predicate: PredicateId) -> Option<Permanent> {
     let adding = rules.adding(predicate);
-    let needs = |facts: &ActionFacts<'_>, wanted: PredicateId| facts.needs.iter().any(|atom| atom.predicate == wanted);
-    let held = |facts: &&ActionFacts<'_>| {
-        let mut sources = facts.needs.iter().filter(|atom| atom.predicate != predicate);
-        sources.any(|atom| {
-            let sources = rules.adding(atom.predicate);
-            let is_held = rules.is_state(atom.predicate)
-                && !sources.is_empty()
-                && sources.iter().all(|source| needs(source, predicate));
-            is_held
-        })
-    };
-    if adding.is_empty() || !adding.iter().all(held) {
-        return None;
-    }
-    let leads_to_it = |facts: &&ActionFacts<'_>| {
-        let mut adds = facts.adds.iter();
-        needs(facts, predicate) && adds.any(|atom| needs(adding[0], atom.predicate))
-    };
-    let culprit = rules.actions.iter().find(leads_to_it).map(ActionFacts::name);
-    let (own, culprit) = (rules.domain.predicate(predicate).name.clone(), culprit?);
-    let name = adding[0].name();
+    let leads = |facts: &&ActionFacts<'_>| leading_to(rules, facts, predicate);
+    let culprit = adding
+        .iter()
+        .map(leads)
+        .collect::<Option<Vec<_>>>()?
+        .into_iter()
+        .next()?;
+    let (own, name) = (rules.domain.predicate(predicate).name.clone(), adding[0].name());
     let message = format!(
-        "the action `{name}` makes `{own}` true, but it is true already: `{culprit}` needs it before, and no action makes it false"
+        "the action `{name}` makes `{own}` true again and again, but no action makes it false: `{culprit}` needs it and leaves it true"
     );
     Some((own, name.to_owned(), message, culprit.to_owned()))
+}
+
+/// Returns the action that needs the fact and alone brings about another need of the action, about the same entity.
+fn leading_to<'a>(rules: &Rules<'a>, facts: &ActionFacts<'_>, predicate: PredicateId) -> Option<&'a str> {
+    let gained = facts.adds.iter().find(|atom| atom.predicate == predicate)?;
+    let others = facts
+        .needs
+        .iter()
+        .filter(|atom| atom.predicate != predicate && rules.is_state(atom.predicate));
+    let mut found = None;
+    for other in others {
+        let roles = common_roles(gained, other);
+        let needs_it = |source: &&ActionFacts<'a>| {
+            let mut needed = source.needs.iter().filter(|atom| atom.predicate == predicate);
+            needed.any(|atom| {
+                let mut adds = source.adds.iter().filter(|added| added.predicate == other.predicate);
+                adds.any(|added| common_roles(atom, added).iter().any(|own| roles.contains(own)))
+            })
+        };
+        let sources = rules.adding(other.predicate);
+        let source = sources
+            .first()
+            .filter(|_| sources.iter().all(|source| needs_it(source)));
+        found = found.or(source
+            .filter(|source| source.name() != facts.name())
+            .map(|source| source.name()));
+    }
+    found
 }
 
 /// Finds a place that an action leaves without leaving it: the fact holds of one entity before and of another one
@@ -209,8 +241,13 @@ fn left_behind(rules: &Rules<'_>, predicate: PredicateId) -> Option<Permanent> {
         for gained in gained {
             let before = facts.needs.iter().filter(|atom| atom.predicate == predicate);
             let differs = |before: &&&Atom| {
-                let pairs = before.terms.iter().zip(&gained.terms);
-                pairs.filter(|(left, right)| left != right).count() == 1
+                let pairs = before.terms.iter().zip(&gained.terms).enumerate();
+                let changed: Vec<usize> = pairs
+                    .filter(|(_, (left, right))| left != right)
+                    .map(|(at, _)| at)
+                    .collect();
+                // The first argument stays and the place changes; in the other case, a fact spreads.
+                changed.len() == 1 && (changed != [0] || before.terms.len() == 1)
             };
             let Some(before) = before.filter(differs).next() else {
                 continue;

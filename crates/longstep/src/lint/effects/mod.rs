@@ -14,7 +14,7 @@ use super::notation::shown;
 use super::places::Places;
 use super::reach::Reach;
 use super::{Finding, Lint};
-use crate::model::{Condition, Domain, Effect, PredicateId, Term};
+use crate::model::{Condition, Domain, Effect, PredicateId, Term, TypeId};
 use longstep_core::model::{Arithmetic, Comparison, NumberChangeKind, NumberTest};
 
 /// The rules' view of a domain.
@@ -78,6 +78,15 @@ impl<'a> Rules<'a> {
     fn changes(&self, predicate: PredicateId, adds: bool) -> bool {
         let mut effects = self.domain.actions.iter().flat_map(|action| &action.effects);
         effects.any(|effect| effect.atom.predicate == predicate && effect.adds == adds)
+    }
+
+    /// Returns true for a type of places: entities that stay, if the domain separates them from those that move.
+    fn is_place(&self, kind: TypeId) -> bool {
+        let environment = &self.domain.environment;
+        let types = &self.domain.types;
+        let apart =
+            !types.is_a(environment.object, environment.asset) && !types.is_a(environment.asset, environment.object);
+        apart && types.is_a(kind, environment.asset)
     }
 
     /// Returns the actions that make the predicate true.
