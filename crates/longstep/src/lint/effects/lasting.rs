@@ -98,9 +98,7 @@ fn is_lost(rules: &Rules<'_>, facts: &ActionFacts<'_>, effect: &Effect, required
     if about.clone().any(|atom| is_history(&atom)) {
         return false;
     }
-    let is_repeated = about
-        .clone()
-        .any(|atom| rules.is_state(atom.predicate) && rules.changes(atom.predicate, false));
+    let is_repeated = about.clone().any(|atom| is_balanced(rules, facts, &effect.atom, atom));
     if !required.positive[predicate.index()] {
         return is_repeated && !named.is_empty();
     }
@@ -152,6 +150,7 @@ fn is_barred(rules: &Rules<'_>, facts: &ActionFacts<'_>, effect: &Effect, requir
 /// Returns true if the action exchanges another fact for `gained` that some action gives back, such as a place for a place or
 /// a shelf for the hand: then it is meant to be done again. Without such a fact, `changed` is the price of `gained`.
 fn is_balanced(rules: &Rules<'_>, facts: &ActionFacts<'_>, changed: &Atom, gained: &Atom) -> bool {
+    let named = facts.parameters_of(changed);
     let effects = facts.action.effects.iter();
     let mut given_up = effects.filter(|own| !own.adds && own.atom.predicate != changed.predicate);
     rules.is_state(gained.predicate)
@@ -162,7 +161,9 @@ fn is_balanced(rules: &Rules<'_>, facts: &ActionFacts<'_>, changed: &Atom, gaine
                 let removes = effects.any(|effect| !effect.adds && effect.atom.predicate == to);
                 removes && other.adds.iter().any(|atom| atom.predicate == from)
             };
-            rules.is_state(from) && (from == to || rules.actions.iter().any(gives_back))
+            let own = facts.parameters_of(&own.atom);
+            let shares = named.is_empty() || named.iter().any(|slot| own.contains(slot));
+            rules.is_state(from) && (from == to || shares && rules.actions.iter().any(gives_back))
         })
 }
 
