@@ -13,7 +13,7 @@ use anyhow::Result;
 use longstep_core::skill::Skills;
 use longstep_llm::{plain_reason, read_text, write_whole};
 use longstep_teach::{
-    BYTES, Demonstration, Expectations, Finding, Format, Lesson, Request, Segment, TaughtStep, TaughtValue, cut,
+    BYTES, Demonstration, Expectations, Finding, Format, Hand, Lesson, Request, Segment, TaughtStep, TaughtValue, cut,
     cut_at_times, learn, one_each, requests, skills_file, step_times,
 };
 use serde_json::{Value, json};
@@ -60,12 +60,18 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
                 .into(),
         );
     }
+    let mut notes = Vec::new();
     let (lesson, repetition) = match arguments.demo.is_empty() {
         true => {
             let recorder = StepRecorder::of(arguments, requests.len())?;
             Questions::new(&requests, &expectations, recorder).lesson()?
         }
-        false => (learn(&requests, &segments(arguments, &requests)?, &expectations), None),
+        false => {
+            let recordings = recordings(arguments)?;
+            notes.extend(recordings.iter().flat_map(notes_of));
+            let segments = segments(arguments, &requests, &recordings)?;
+            (learn(&requests, &segments, &expectations), None)
+        }
     };
     let file = skills_file(&requests, &lesson);
     // The program that reads the file is the one that wrote it: what it refuses is a defect of this command.
@@ -81,12 +87,13 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
         .hint("check that the folder exists and is writable")
     })?;
     if arguments.json {
-        output::json(&json_of(&lesson, file))?;
+        output::json(&json_of(&lesson, file, &notes))?;
     } else {
         if !arguments.demo.is_empty() {
             for step in &lesson.steps {
                 show_step(&requests, step);
             }
+            notes.iter().for_each(|note| show_note(note));
             lesson.findings.iter().for_each(tell);
         }
         conclude(arguments, &lesson);
@@ -112,7 +119,7 @@ fn conclude(arguments: &TeachArguments, lesson: &Lesson) {
     }
 }
 
-fn json_of(lesson: &Lesson, skills: Value) -> Value {
+fn json_of(lesson: &Lesson, skills: Value, notes: &[String]) -> Value {
     let finding = |own: &Finding| {
         json!({
             "step": own.step,
@@ -125,11 +132,30 @@ fn json_of(lesson: &Lesson, skills: Value) -> Value {
         "complete": lesson.is_complete(),
         "skills": skills,
         "findings": lesson.findings.iter().map(finding).collect::<Vec<_>>(),
+        "notes": notes,
     })
 }
 
-/// Reads the recordings and cuts them into steps.
-fn segments(arguments: &TeachArguments, requests: &[Request]) -> Result<Vec<Segment>> {
+/// Reads the recordings of `--demo`.
+fn recordings(arguments: &TeachArguments) -> Result<Vec<Demonstration>> {
+    let hand = arguments.hand.map(Into::into);
+    arguments.demo.iter().map(|path| recording(path, hand)).collect()
+}
+
+/// Returns the notes about how a recording was read, with its name.
+fn notes_of(recording: &Demonstration) -> impl Iterator<Item = String> + '_ {
+    recording
+        .notes
+        .iter()
+        .map(|note| format!("{}: {note}", recording.source))
+}
+
+fn show_note(note: &str) {
+    remark!("{} {note}", "note:".cyan().bold());
+}
+
+/// Cuts the recordings into steps.
+fn segments(arguments: &TeachArguments, requests: &[Request], recordings: &[Demonstration]) -> Result<Vec<Segment>> {
     let times = match &arguments.segments {
         Some(text) => Some(step_times(text).map_err(|reason| Failure::unreadable(format!("--segments: {reason}")))?),
         None => None,
@@ -142,13 +168,8 @@ fn segments(arguments: &TeachArguments, requests: &[Request]) -> Result<Vec<Segm
         );
         return Err(Failure::unreadable(message).into());
     }
-    let recordings = arguments
-        .demo
-        .iter()
-        .map(|path| recording(path))
-        .collect::<Result<Vec<_>>>()?;
     let unclear = |finding: Finding| Failure::new(finding.to_string(), NOT_VALID);
-    match (&recordings[..], times) {
+    match (recordings, times) {
         ([one], Some(times)) => Ok(cut_at_times(one, &times)),
         ([one], None) => Ok(cut(one, requests).map_err(unclear)?),
         (_, Some(_)) => Err(Failure::unreadable("`--segments` needs one recording")
@@ -202,8 +223,8 @@ mod recorder {
     }
 }
 
-/// Reads a recording in the format that its name says.
-fn recording(path: &Path) -> Result<Demonstration> {
+/// Reads a recording in the format that its name says, of this hand if it does not say which.
+fn recording(path: &Path, hand: Option<Hand>) -> Result<Demonstration> {
     let shown = path.display().to_string();
     let Some(format) = Format::of_name(&shown) else {
         return Err(Failure::unreadable(format!("{shown} is no recording"))
@@ -217,7 +238,7 @@ fn recording(path: &Path) -> Result<Demonstration> {
     file.take(BYTES + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| failed(&error))?;
-    Demonstration::read(&shown, format, &bytes).map_err(|error| {
+    Demonstration::read_hand(&shown, format, &bytes, hand.unwrap_or(Hand::Right)).map_err(|error| {
         Failure::unreadable(error.to_string())
             .hint("docs/teaching.md lists the columns of recordings")
             .into()

@@ -144,6 +144,39 @@ fn recordings_can_be_cut_in_other_ways() {
     }
 }
 
+/// The same recording as a spreadsheet writes it: decimal commas, and times since the epoch.
+#[test]
+fn a_spreadsheet_teaches_the_same_and_its_notes_are_shown() {
+    let bench = Bench::new();
+    let whole = recording(&[1, 2, 3, 4], 1.0, false);
+    let later = |line: &str| {
+        let (time, rest) = line.split_once(',').unwrap();
+        let time: f64 = time.parse().unwrap();
+        let commas = format!("{:.4};{}", time + 1.7e9, rest.replace(',', ";")).replace('.', ",");
+        commas + "\n"
+    };
+    let mut lines = whole.lines();
+    let mut table = format!("\u{feff}{}\n", lines.next().unwrap().replace(',', ";"));
+    table.extend(lines.map(later));
+    bench.write("table.csv", &table);
+    let times = "1:0-1.5,2:1.52-3.01,3:3.02-4.51,4:4.52-6.1";
+    let output = bench.teach(&["--demo", "table.csv", "--segments", times]);
+    let shown = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{shown}");
+    let way = bench.skills()["open-by-slide"][0]["values"]["displacement"][1]
+        .as_f64()
+        .unwrap();
+    assert!((way + 0.25).abs() < 0.01, "{way}");
+    assert!(shown.contains("table.csv: numbers have decimal commas"), "{shown}");
+    assert!(
+        shown.contains("times are seconds since the epoch; the first frame is at 0 s"),
+        "{shown}"
+    );
+    let output = bench.teach(&["--demo", "table.csv", "--segments", times, "--json"]);
+    let answer: Value = serde_json::from_str(&text(&output.stdout)).unwrap();
+    assert_eq!(answer["notes"].as_array().unwrap().len(), 2, "{answer:#}");
+}
+
 #[test]
 fn mistakes_are_named_with_the_next_step() {
     let bench = Bench::new();
@@ -196,7 +229,7 @@ fn mistakes_are_named_with_the_next_step() {
         (
             &["--demo", "broken.csv"],
             30,
-            "broken.csv, frame 1: unknown field `arm`",
+            "broken.csv: unknown column `arm`; rename it",
         ),
         (
             &["--demo", "demo.bag"],

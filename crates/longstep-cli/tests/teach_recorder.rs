@@ -187,7 +187,7 @@ fn a_recorder_that_cannot_be_used_is_an_error_and_the_step_is_asked_for_again() 
         (
             script("echo opening camera 0; echo ready; exec sleep 600"),
             1,
-            "error: the recorder, frame 1: unknown field `opening camera 0`",
+            "error: the recorder: no column `x`, `y`, `z`; name the columns",
         ),
         (
             script("echo {}; exec sleep 600"),

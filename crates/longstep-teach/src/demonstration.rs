@@ -73,6 +73,10 @@ pub struct Demonstration {
     pub source: String,
     /// The frame of reference that the recording names; none if it names none.
     pub reference: Option<String>,
+    /// The seconds since the epoch at the time 0; 0 for a recording that counts from its own beginning.
+    pub begins: f64,
+    /// The assumptions with which the recording was read, and what of it was not read.
+    pub notes: Vec<String>,
     /// The frames, in order of time.
     pub frames: Vec<Frame>,
 }

@@ -2,7 +2,7 @@
 //! no model and no I/O.
 //!
 //! 1. [`requests`] lists the steps of a plan with the parameters that a person teaches.
-//! 2. [`Demonstration::read`] reads a recording: CSV, JSON or MCAP.
+//! 2. [`Demonstration::read`] reads a recording: CSV, JSON or MCAP, as trackers, spreadsheets and ROS 2 write them.
 //! 3. [`cut`], [`cut_at_times`] or [`one_each`] assign the parts of recordings to steps.
 //! 4. [`learn`] fits each parameter, with a standard uncertainty, and reports [`Finding`]s.
 //! 5. [`skills_file`] writes the values for `longstep run --skills`.
@@ -18,7 +18,7 @@ mod line;
 mod noise;
 mod plane;
 mod posture;
-mod read;
+mod recording;
 mod request;
 mod segment;
 mod shown;
@@ -32,7 +32,7 @@ pub use line::{Line, fit_line};
 pub use noise::noise;
 pub use plane::{Plane, fit_plane};
 pub use posture::{directions, posture};
-pub use read::{BYTES, Format, ReadError};
+pub use recording::{BYTES, Format, ReadError};
 pub use request::{Request, requests};
 pub use segment::{Segment, StepTime, cut, cut_at_times, one_each, step_times};
 pub use shown::{Expectations, TaughtValue};

@@ -86,9 +86,13 @@ pub fn step_times(text: &str) -> Result<Vec<StepTime>, String> {
         .collect()
 }
 
-/// Cuts a recording at given times.
+/// Cuts a recording at given times. A recording that counts since the epoch begins at 0; times since the epoch are read, too.
 pub fn cut_at_times(recording: &Demonstration, times: &[StepTime]) -> Vec<Segment> {
-    let segment = |time: &StepTime| Segment::of(recording, time.step, time.from, time.to);
+    let segment = |time: &StepTime| {
+        let is_since_epoch = recording.begins > 0.0 && time.from >= recording.begins / 2.0;
+        let begins = if is_since_epoch { recording.begins } else { 0.0 };
+        Segment::of(recording, time.step, time.from - begins, time.to - begins)
+    };
     times.iter().map(segment).collect()
 }
 

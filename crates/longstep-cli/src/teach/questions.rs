@@ -8,7 +8,7 @@ use longstep_teach::{Expectations, Finding, Lesson, Request, Segment, learn};
 
 use super::recorder::{Recorded, StepRecorder};
 use super::recording::Recording;
-use super::{recording, show_step, tell};
+use super::{notes_of, recording, show_note, show_step, tell};
 use crate::exit_code::STOPPED;
 use crate::failure::{Failure, tell as tell_error};
 use crate::input_lines::{InputLines, Waited};
@@ -115,7 +115,8 @@ impl<'a> Questions<'a> {
                 (Answer::Quit, _) => return Ok(Shown::Quit),
                 (Answer::Skip, _) => return Ok(Shown::Skip),
                 (Answer::Back, _) => return Ok(Shown::Back),
-                (Answer::File(file), _) => recording(Path::new(&file)).map(|demonstration| {
+                (Answer::File(file), _) => recording(Path::new(&file), self.expectations.hand).map(|demonstration| {
+                    notes_of(&demonstration).for_each(|note| show_note(&note));
                     Recorded::Shown(Recording {
                         demonstration,
                         unsaved: None,

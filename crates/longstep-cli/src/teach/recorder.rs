@@ -143,17 +143,21 @@ fn begins(recording: &[u8], lines: usize) -> Result<bool> {
     if lines <= header {
         return Ok(false);
     }
-    read(recording).map(|_| true)
+    match Demonstration::read(SOURCE, Format::of_lines(recording), recording) {
+        // The tracker does not see the hand yet.
+        Err(error) if error.is_without_position => Ok(false),
+        read => Ok(read.map(|_| true).map_err(unreadable)?),
+    }
 }
 
 fn read(recording: &[u8]) -> Result<Demonstration> {
-    let read = Demonstration::read(SOURCE, Format::of_lines(recording), recording);
-    let unreadable = |error: ReadError| {
-        Failure::unreadable(error.to_string()).hint(
-            "a recorder writes CSV with a line of names, or JSON Lines, and nothing else; docs/teaching.md lists the columns",
-        )
-    };
-    Ok(read.map_err(unreadable)?)
+    Ok(Demonstration::read(SOURCE, Format::of_lines(recording), recording).map_err(unreadable)?)
+}
+
+fn unreadable(error: ReadError) -> Failure {
+    Failure::unreadable(error.to_string()).hint(
+        "a recorder writes CSV with a line of names, or JSON Lines, and nothing else; docs/teaching.md lists the columns",
+    )
 }
 
 /// Returns the failure for an error of a recorder, and shows what the program wrote about it.
