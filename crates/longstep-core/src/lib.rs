@@ -25,6 +25,7 @@ pub mod execution;
 pub mod geometry;
 pub mod goal;
 pub mod json;
+mod literal;
 pub mod message;
 pub mod model;
 pub mod pddl;

@@ -3,28 +3,22 @@
 //! The reader is lenient about form and lists every leniency; it is strict about content and guesses nothing. One
 //! parser handles all replies; strict JSON produces no leniencies.
 
-mod leniency;
-mod literal;
-mod parser;
-mod quoted;
 mod scripts;
 mod shape;
 #[cfg(test)]
 mod tests;
 mod unreadable;
 
-pub use leniency::{Leniency, LeniencyKind};
+pub use crate::literal::{Leniency, LeniencyKind};
 pub use unreadable::Unreadable;
 
 use std::ops::Range;
 
 use super::PlanFile;
 use crate::diagnostic::Position;
-use leniency::Notes;
-use literal::{Fault, Literal, PLAN_KEYS};
-use parser::{FENCE, Reason};
+use crate::literal::{self, DEEPEST, FENCE, Fault, Literal, Notes, PLAN_KEYS, Reason};
 use shape::Likeness;
-use unreadable::{DEEPEST, LARGEST};
+use unreadable::LARGEST;
 
 /// A plan from a model's reply.
 #[derive(Debug, Clone, PartialEq)]

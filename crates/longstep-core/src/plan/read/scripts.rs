@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use super::leniency::{LeniencyKind, Notes};
-use super::parser::FENCE;
 use super::unreadable::Unreadable;
 use super::{Draft, around};
 use crate::diagnostic::Position;
+use crate::literal::{FENCE, LeniencyKind, Notes};
 use crate::plan::{Node, PlanFile, TaskCohesion, Written, script};
 
 /// Parses the script in a reply; none if the reply contains no script.

@@ -4,11 +4,10 @@ use indexmap::IndexMap;
 use indexmap::map::Entry as Slot;
 use serde_json::{Map, Value};
 
-use super::leniency::{LeniencyKind as Kind, Notes};
-use super::literal::{Member, Value as Literal, ValueNode, shorten};
 use super::unreadable::Unreadable;
 use crate::diagnostic::Position;
 use crate::json::Path;
+use crate::literal::{LeniencyKind as Kind, Member, Notes, Value as Literal, ValueNode, shorten};
 use crate::model::{Environment, Words};
 use crate::plan::{ChoiceFile, EndingFile, PlanFile, PurposeFile, TaskCohesion, TreeError, read_tree, script};
 

@@ -7,9 +7,6 @@ use crate::plan::{ScriptError, TreeError};
 /// Maximum length of a reply in bytes. The longest recorded reply has fewer than 4,000.
 pub(super) const LARGEST: usize = 1 << 20;
 
-/// Maximum nesting depth of brackets. A sequential plan needs four, a tree two for each level.
-pub(super) const DEEPEST: usize = 120;
-
 /// Reasons why a reply contains no readable plan. The reader never completes a plan and never chooses between plans.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]

@@ -1,4 +1,4 @@
-//! Parser for one object in a model's reply: JSON, a Python literal, or a mix of both.
+//! Literals as people and models write them: JSON, Python, or a mix of both, with the deviations that were accepted.
 //!
 //! No existing crate fits. `jsonc-parser` and `json5` accept comments and trailing commas, but no Python (`#`, `None`,
 //! tuples, triple quotes, `'the robot's hand'`). They do not list the deviations they accept, and do not distinguish a
@@ -6,16 +6,26 @@
 //!
 //! The parser never reads text again after a failure, so the number of visits to each byte is bounded.
 
-use super::leniency::{LeniencyKind as Kind, Notes};
-use super::parser::{Parsed, Parser, Reason, malformed};
-use super::quoted::is_quote;
-use super::unreadable::DEEPEST;
+mod leniency;
+mod parser;
+mod quoted;
+
+pub(crate) use leniency::Notes;
+pub use leniency::{Leniency, LeniencyKind};
+pub(crate) use parser::{FENCE, Reason};
+
+use LeniencyKind as Kind;
+use parser::{Parsed, Parser, malformed};
+use quoted::is_quote;
+
+/// Maximum nesting depth of brackets. A sequential plan needs four, a tree two for each level.
+pub(crate) const DEEPEST: usize = 120;
 
 /// A value with its byte offset; equality compares only the values.
 #[derive(Debug)]
-pub(super) struct ValueNode {
-    pub(super) at: usize,
-    pub(super) value: Value,
+pub(crate) struct ValueNode {
+    pub(crate) at: usize,
+    pub(crate) value: Value,
 }
 
 impl PartialEq for ValueNode {
@@ -26,7 +36,7 @@ impl PartialEq for ValueNode {
 
 /// A value. Plans contain no numeric data, so a number is kept as text.
 #[derive(Debug, PartialEq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     Null,
     Bool(bool),
     Number(String),
@@ -37,10 +47,10 @@ pub(super) enum Value {
 
 /// A key with its value.
 #[derive(Debug)]
-pub(super) struct Member {
-    pub(super) at: usize,
-    pub(super) key: String,
-    pub(super) node: ValueNode,
+pub(crate) struct Member {
+    pub(crate) at: usize,
+    pub(crate) key: String,
+    pub(crate) node: ValueNode,
 }
 
 impl PartialEq for Member {
@@ -51,25 +61,25 @@ impl PartialEq for Member {
 
 /// A completely parsed object.
 #[derive(Debug)]
-pub(super) struct Literal {
-    pub(super) node: ValueNode,
+pub(crate) struct Literal {
+    pub(crate) node: ValueNode,
     /// Byte offset after the closing brace.
-    pub(super) end: usize,
-    pub(super) notes: Notes,
+    pub(crate) end: usize,
+    pub(crate) notes: Notes,
 }
 
 /// A parse failure.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     /// Byte offset where parsing stopped.
-    pub(super) at: usize,
-    pub(super) reason: Reason,
+    pub(crate) at: usize,
+    pub(crate) reason: Reason,
     /// True if the object has a key that only plans have.
-    pub(super) of_plan: bool,
+    pub(crate) of_plan: bool,
 }
 
 /// Parses the object whose opening brace is at byte `start`.
-pub(super) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
+pub(crate) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
     let mut parser = Parser {
         text,
         at: start,
@@ -92,7 +102,7 @@ pub(super) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
 }
 
 /// Keys that distinguish a plan from other objects in a reply.
-pub(super) const PLAN_KEYS: [&str; 9] = [
+pub(crate) const PLAN_KEYS: [&str; 9] = [
     "task_cohesion",
     "task_sequence",
     "task_tree",
@@ -278,7 +288,7 @@ fn is_json_number(text: &str) -> bool {
 }
 
 /// Limits the length of a word in messages, since the reply is untrusted input.
-pub(super) fn shorten(word: &str) -> String {
+pub(crate) fn shorten(word: &str) -> String {
     const SHOWN: usize = 60;
     match word.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}…", &word[..end]),

@@ -3,11 +3,11 @@
 use super::leniency::{LeniencyKind as Kind, Notes};
 
 /// The marker of a code block.
-pub(super) const FENCE: &str = "```";
+pub(crate) const FENCE: &str = "```";
 
 /// Why an object cannot be parsed.
 #[derive(Debug)]
-pub(super) enum Reason {
+pub(crate) enum Reason {
     /// The text or its code block ends before the object does.
     CutOff,
     TooDeep,
@@ -15,33 +15,33 @@ pub(super) enum Reason {
 }
 
 /// The text of a reply, and how much of it has been read.
-pub(super) struct Parser<'t> {
-    pub(super) text: &'t str,
-    pub(super) at: usize,
-    pub(super) depth: usize,
+pub(crate) struct Parser<'t> {
+    pub(crate) text: &'t str,
+    pub(crate) at: usize,
+    pub(crate) depth: usize,
     /// True if a key was read that only plans have.
-    pub(super) of_plan: bool,
-    pub(super) notes: Notes,
+    pub(crate) of_plan: bool,
+    pub(crate) notes: Notes,
 }
 
-pub(super) type Parsed<T> = Result<T, Reason>;
+pub(crate) type Parsed<T> = Result<T, Reason>;
 
-pub(super) fn malformed<T>(message: impl Into<String>) -> Parsed<T> {
+pub(crate) fn malformed<T>(message: impl Into<String>) -> Parsed<T> {
     Err(Reason::Malformed(message.into()))
 }
 
 impl<'t> Parser<'t> {
-    pub(super) fn rest(&self) -> &'t str {
+    pub(crate) fn rest(&self) -> &'t str {
         &self.text[self.at..]
     }
 
-    pub(super) fn note(&mut self, kind: Kind) {
+    pub(crate) fn note(&mut self, kind: Kind) {
         self.notes.add(kind, self.at);
     }
 
     /// Skips whitespace and comments, and returns the next character. The end of the text or of the code block is an
     /// error, since both would be inside an object.
-    pub(super) fn peek(&mut self) -> Parsed<char> {
+    pub(crate) fn peek(&mut self) -> Parsed<char> {
         loop {
             let rest = self.rest();
             let Some(next) = rest.chars().next() else {

@@ -114,7 +114,7 @@ impl Leniency {
 
 /// The leniencies of a reply during parsing, by byte offset.
 #[derive(Debug, Default)]
-pub(super) struct Notes(Vec<Note>);
+pub(crate) struct Notes(Vec<Note>);
 
 #[derive(Debug)]
 struct Note {
@@ -124,25 +124,25 @@ struct Note {
 }
 
 impl Notes {
-    pub(super) fn add(&mut self, kind: LeniencyKind, at: usize) {
+    pub(crate) fn add(&mut self, kind: LeniencyKind, at: usize) {
         self.0.push(Note { kind, at, path: None });
     }
 
-    pub(super) fn add_about(&mut self, kind: LeniencyKind, at: usize, path: Path) {
+    pub(crate) fn add_about(&mut self, kind: LeniencyKind, at: usize, path: Path) {
         let path = Some(path);
         self.0.push(Note { kind, at, path });
     }
 
-    pub(super) fn contain(&self, kind: LeniencyKind) -> bool {
+    pub(crate) fn contain(&self, kind: LeniencyKind) -> bool {
         self.0.iter().any(|note| note.kind == kind)
     }
 
-    pub(super) fn append(&mut self, mut other: Self) {
+    pub(crate) fn append(&mut self, mut other: Self) {
         self.0.append(&mut other.0);
     }
 
     /// Returns the leniencies in text order; occurrences of one kind are merged at the first position.
-    pub(super) fn into_leniencies(mut self, text: &str) -> Vec<Leniency> {
+    pub(crate) fn into_leniencies(mut self, text: &str) -> Vec<Leniency> {
         self.0.sort_by_key(|note| (note.kind, note.at));
         let mut merged: Vec<(Note, usize)> = Vec::new();
         for note in self.0 {

@@ -73,13 +73,13 @@ impl Quote {
 }
 
 /// Returns true if a quoted string begins here.
-pub(super) fn is_quote(rest: &str) -> bool {
+pub(crate) fn is_quote(rest: &str) -> bool {
     Quote::opening(rest).is_some()
 }
 
 impl Parser<'_> {
     /// Parses a string and the adjacent strings after it, which Python joins.
-    pub(super) fn texts(&mut self) -> Parsed<String> {
+    pub(crate) fn texts(&mut self) -> Parsed<String> {
         let mut joined = self.quoted(true)?;
         self.peek()?;
         while is_quote(self.rest()) {
@@ -90,7 +90,7 @@ impl Parser<'_> {
         Ok(joined)
     }
 
-    pub(super) fn quoted(&mut self, line_breaks: bool) -> Parsed<String> {
+    pub(crate) fn quoted(&mut self, line_breaks: bool) -> Parsed<String> {
         let Some((length, quote)) = Quote::opening(self.rest()) else {
             return malformed("expected a text in quotes");
         };
