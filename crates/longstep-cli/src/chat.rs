@@ -293,6 +293,7 @@ impl Chat<'_> {
             };
             let mut waiting = Waiting::new(model.name());
             let advanced = advance(&mut self.session, model, Some(&mut self.folder), &mut waiting);
+            drop(waiting);
             match advanced {
                 Ok(()) => screen::response(&self.session, interactive),
                 Err(AdvanceError::Model(ModelError::Stopped)) => {

@@ -8,10 +8,11 @@ mod clap_error;
 mod styled;
 
 use std::fmt;
-use std::io::{ErrorKind, Write};
-use std::sync::OnceLock;
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use anyhow::Result;
+use indicatif::ProgressBar;
 use longstep_core::visible;
 use longstep_llm::plain_reason;
 use serde::Serialize;
@@ -90,10 +91,34 @@ pub(crate) fn json_line(value: &impl Serialize) -> Result<()> {
     Ok(())
 }
 
+/// The progress that stands below everything that is printed; none while nothing is under way.
+static PROGRESS: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+fn progress_below() -> Option<ProgressBar> {
+    PROGRESS.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
+/// From now on a progress bar stands below everything that is printed.
+pub(crate) fn begin_progress(bar: &ProgressBar) {
+    *PROGRESS.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.clone());
+}
+
+/// Removes a progress bar from the terminal.
+pub(crate) fn end_progress(bar: &ProgressBar) {
+    drop(PROGRESS.lock().unwrap_or_else(PoisonError::into_inner).take());
+    bar.finish_and_clear();
+}
+
 /// Shows a message on a progress bar.
 #[expect(clippy::disallowed_methods, reason = "the message is made visible first")]
-pub(crate) fn progress(bar: &indicatif::ProgressBar, message: &str) {
+pub(crate) fn progress(bar: &ProgressBar, message: &str) {
     bar.set_message(visible::line(message).into_owned());
+}
+
+/// Returns false if lines cannot be drawn again: stderr is no terminal, or a dumb one.
+pub(crate) fn can_redraw() -> bool {
+    let is_dumb = std::env::var("TERM").is_ok_and(|terminal| terminal == "dumb");
+    std::io::stderr().is_terminal() && !is_dumb
 }
 
 /// Returns true if stdout has failed, so that the user no longer sees any output.
@@ -115,6 +140,13 @@ pub(crate) fn finished(code: u8) -> u8 {
 }
 
 fn to_stdout(shown: &str) {
+    match progress_below() {
+        Some(bar) if !failed() => bar.suspend(|| write_stdout(shown)),
+        _ => write_stdout(shown),
+    }
+}
+
+fn write_stdout(shown: &str) {
     if failed() {
         return;
     }
@@ -127,6 +159,13 @@ fn to_stdout(shown: &str) {
 }
 
 fn to_stderr(shown: &str) {
+    match progress_below() {
+        Some(bar) => bar.suspend(|| write_stderr(shown)),
+        None => write_stderr(shown),
+    }
+}
+
+fn write_stderr(shown: &str) {
     #[expect(clippy::disallowed_methods, reason = "this is the one place")]
     let mut stderr = anstream::stderr().lock();
     // There is no other place to report an error.

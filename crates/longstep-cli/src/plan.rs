@@ -49,6 +49,8 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     }
     let mut waiting = Waiting::new(model.name());
     advance(&mut session, model.as_mut(), None, &mut waiting)?;
+    let forecast = waiting.forecast();
+    drop(waiting);
     let mut shown = Vec::new();
     let (mut answer, goal) = match session.response() {
         Response::Plan(proposal) => {
@@ -82,7 +84,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
         // After an instruction no other response is possible.
         _ => return Err(Failure::new("the session ended early", MODEL).into()),
     };
-    answer.forecast = waiting.forecast();
+    answer.forecast = forecast;
     answer.timings_ms.model += opened;
     answer.timings_ms.total = stopwatch() - started;
     if arguments.explain && !arguments.json {

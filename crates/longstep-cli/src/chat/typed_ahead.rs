@@ -37,12 +37,16 @@ impl TypedAhead {
         self.0.pop_front();
     }
 
-    /// Forgets the first line that waits if the person's line was made of it. A command, an accepted plan or a rejected
-    /// one is not: the line then waits for the next prompt. Where nothing is decided, an emptied line is dropped.
+    /// Forgets the first line that waits if the person's line was made of it: it is the same, or nothing else is meant by
+    /// it. A decision and a command in place of another line are not made of it: that line waits for the next prompt.
+    /// Where nothing is decided, an emptied line is dropped.
     pub(super) fn answered(&mut self, line: &str, decides: bool) {
         let line = line.trim();
-        let keeps = line.starts_with('/') || (decides && super::is_decision(line));
-        if !keeps {
+        let is_sent = self.0.front().is_some_and(|waiting| waiting == line);
+        let is_command = |text: &str| text.starts_with('/');
+        let replaces_command = self.0.front().is_some_and(|waiting| is_command(waiting)) && is_command(line);
+        let stands_alone = is_command(line) || (decides && super::is_decision(line));
+        if is_sent || replaces_command || !stands_alone {
             self.drop_first();
         }
     }
@@ -127,5 +131,24 @@ mod tests {
         assert_eq!(first(&typed).as_deref(), Some("wipe the table"));
         typed.answered("", false);
         assert_eq!(first(&typed), None);
+    }
+
+    #[test]
+    fn a_line_that_is_sent_as_it_was_typed_is_used() {
+        for (early, line, decides, is_used) in [
+            ("/plan", "/plan", false, true),
+            ("/plan", "/plan", true, true),
+            ("/paln", "/plan", true, true),
+            ("/plan", "", true, false),
+            ("/plan", "", false, true),
+            ("yes", "yes", true, true),
+            ("yes", "no", true, false),
+            ("wipe the table", "/plan", true, false),
+        ] {
+            let mut typed = TypedAhead::default();
+            typed.add(early);
+            typed.answered(line, decides);
+            assert_eq!(typed.0.is_empty(), is_used, "{early} {line} {decides}");
+        }
     }
 }

@@ -16,7 +16,7 @@ use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::failure::Failure;
 use crate::inputs;
-use crate::output::{self, Style, print_line};
+use crate::output::{self, Style, counted, print_line, remark};
 
 /// Number of instructions.
 const COUNT: usize = 5;
@@ -76,10 +76,16 @@ pub(super) fn run(arguments: &TryArguments) -> Result<u8> {
             return Err(error);
         }
     };
+    remark!(
+        "{} for {}; the first takes longest, because the model reads the domain once",
+        counted(samples.len(), "instruction"),
+        model.name()
+    );
     let mut tried = Vec::new();
     for (index, sample) in samples.iter().enumerate() {
-        if !arguments.json {
-            show_sample(&world, index, sample);
+        match arguments.json {
+            true => remark!("{} of {}: {}", index + 1, samples.len(), sample.instruction),
+            false => show_sample(&world, index, sample),
         }
         let (understood, right) = understand(arguments, &domain, &world, sample, model.as_mut())?;
         if !arguments.json {
@@ -143,7 +149,9 @@ fn understand(
     );
     session.instruct(&sample.instruction)?;
     let mut waiting = Waiting::new(model.name());
-    match advance(&mut session, model, None, &mut waiting) {
+    let advanced = advance(&mut session, model, None, &mut waiting);
+    drop(waiting);
+    match advanced {
         Ok(()) => {}
         Err(AdvanceError::Model(error @ (ModelError::Stopped | ModelError::NotPulled { .. }))) => {
             return Err(AdvanceError::Model(error).into());

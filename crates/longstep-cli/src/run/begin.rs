@@ -68,6 +68,7 @@ fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<
     session.instruct(instruction)?;
     let mut waiting = Waiting::new(model.name());
     advance(&mut session, model.as_mut(), None, &mut waiting)?;
+    drop(waiting);
     let answer = match session.response() {
         Response::Plan(proposal) => {
             let aim = aim_of(proposal.goal.as_ref(), session.world());
