@@ -1,5 +1,6 @@
 //! The command line's arguments.
 
+mod complete;
 mod domain;
 mod eval;
 mod model;
@@ -23,7 +24,7 @@ pub(crate) use run::{ApprovalArgument, ExecutionArguments, ObserveArgument, RunA
 pub(crate) use see::SeeArguments;
 pub(crate) use strategy::StrategyArguments;
 pub(crate) use teach::TeachArguments;
-pub(crate) use world::{DraftArguments, WorldArguments};
+pub(crate) use world::{DraftArguments, WorldArguments, domain_or_default, required};
 
 /// Turns instructions in plain English into verified robot action plans.
 #[derive(Debug, Parser)]
@@ -79,7 +80,7 @@ pub(crate) enum Command {
 
 /// A new session, or one to resume.
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("world").required(true).args(["env", "resume"])))]
+#[command(group(ArgGroup::new("world").args(["env", "resume"])))]
 pub(crate) struct ChatArguments {
     /// Environment file (the initial world), in the paper's JSON format
     #[arg(long, value_name = "ENV.json")]
@@ -230,7 +231,7 @@ pub(crate) enum PlanFormat {
 #[command(group(ArgGroup::new("task").required(true).args(["goal", "problem"])))]
 pub(crate) struct SolveArguments {
     /// Goal that must hold at the end, for example "put(juice, shelf top) & closed(fridge)"
-    #[arg(long, value_name = "GOAL", requires = "env")]
+    #[arg(long, value_name = "GOAL")]
     pub(crate) goal: Option<String>,
     /// Environment file (the world before the plan), in the paper's JSON format
     #[arg(long, value_name = "ENV.json", conflicts_with = "problem")]

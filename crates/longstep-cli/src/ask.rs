@@ -30,19 +30,19 @@ pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn Ch
 ///
 /// The model cannot be opened, or it is an embedded one without a projector.
 pub(crate) fn seeing_model(arguments: &ModelArguments, vision: Option<&Path>) -> Result<Box<dyn ChatModel>> {
-    let reference: ModelReference = arguments.model.parse()?;
+    let reference: ModelReference = arguments.name().parse()?;
     if reference.is_embedded() && vision.is_none() {
-        return Err(ModelError::no_vision(&arguments.model).into());
+        return Err(ModelError::no_vision(arguments.name()).into());
     }
     let spinner = Spinner::new();
-    Ok(opened(&arguments.model, arguments, vision, &mut |progress| {
+    Ok(opened(arguments.name(), arguments, vision, &mut |progress| {
         spinner.show(&progress);
     })?)
 }
 
 /// Opens a model without a spinner.
 pub(crate) fn open_quietly(arguments: &ModelArguments) -> Result<Box<dyn ChatModel>, ModelError> {
-    opened(&arguments.model, arguments, None, &mut |_| {})
+    opened(arguments.name(), arguments, None, &mut |_| {})
 }
 
 fn opened(

@@ -13,7 +13,7 @@ use anyhow::Result;
 use longstep::session::{Event, Proposal, Session, Settings};
 use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, session_directory};
 
-use crate::arguments::{ChatArguments, ModelArguments};
+use crate::arguments::{ChatArguments, ModelArguments, domain_or_default, required};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::failure::{self, Failure};
@@ -64,9 +64,7 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
     let interactive = std::io::stdin().is_terminal();
     let mut chat = match (&arguments.resume, &arguments.env) {
         (Some(named), _) => resume(arguments, &crate::session::folder(named)?, interactive)?,
-        (None, Some(env)) => begin(arguments, env)?,
-        // clap requires exactly one of `--env` and `--resume`.
-        (None, None) => return Err(Failure::unreadable("neither `--env` nor `--resume` is given").into()),
+        (None, env) => begin(arguments, required(env.as_deref())?)?,
     };
     ask::watch_for_interrupts();
     if interactive {
@@ -90,14 +88,14 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
 }
 
 fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
-    let named = arguments.domain.as_deref().unwrap_or("household");
+    let named = domain_or_default(arguments.domain.as_ref());
     let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
     let world = inputs::world(&domain, env, arguments.rules.as_deref())?;
     let settings = Settings {
         accept: arguments.yes,
         ..arguments.strategy.settings()
     };
-    let name = &arguments.model.model;
+    let name = arguments.model.name();
     let model = ask::model(name, &arguments.model)?;
     let folder = match &arguments.session {
         Some(folder) => SessionFolder::create(folder)?,
@@ -109,7 +107,7 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
         session: Session::new(&origin, domain, world, settings, facts, stopwatch),
         folder,
         model: Some(model),
-        model_name: name.clone(),
+        model_name: name.to_owned(),
         arguments: &arguments.model,
         shown: 0,
         robot: robot(arguments)?,
@@ -170,7 +168,7 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
         session,
         folder,
         model: None,
-        model_name: arguments.model.model.clone(),
+        model_name: arguments.model.name().to_owned(),
         arguments: &arguments.model,
         shown,
         robot: robot(arguments)?,

@@ -9,7 +9,7 @@ use longstep::report::{Answer, Status};
 use longstep_core::environment::World;
 use longstep_llm::{TextFileError, converse, load_domain, read_text};
 
-use crate::arguments::ComposeArguments;
+use crate::arguments::{ComposeArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::failure::{Failure, UNREADABLE};
@@ -19,8 +19,8 @@ use crate::{inputs, output, show};
 
 pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     let started = stopwatch();
-    let domain = load_domain(&arguments.world.domain)?;
-    let world = inputs::world(&domain, &arguments.world.env, arguments.world.rules.as_deref())?;
+    let domain = load_domain(domain_or_default(arguments.world.domain.as_ref()))?;
+    let world = inputs::world(&domain, arguments.world.env()?, arguments.world.rules.as_deref())?;
     let stored = stored(&arguments.plans)?;
     compose::check_names(&domain, &stored).map_err(|clash| {
         Failure::unreadable(clash.to_string()).hint("the file name is the name of a plan: rename one of the files")
@@ -59,7 +59,8 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
         output::quotation(composition.text.trim());
         output::blank();
     }
-    finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
+    let save = arguments.save.as_deref().map(|path| (path, &**world.domain()));
+    finish(&answer, &[], &[], save, arguments.json)
 }
 
 /// The text of a composition, its parsed form, and what the model needed for it.
@@ -88,7 +89,7 @@ fn request_composition(
     stored: &[Stored],
     wish: &str,
 ) -> Result<Composition> {
-    let mut model = ask::model(&arguments.model.model, &arguments.model)?;
+    let mut model = ask::model(arguments.model.name(), &arguments.model)?;
     let mut dialogue = CompositionDialogue::new(CompositionInput {
         world,
         stored,

@@ -12,8 +12,10 @@ use longstep_core::plan;
 use longstep_core::verify::VerifiedPlan;
 use longstep_llm::{load_domain, read_text};
 
-use crate::arguments::DraftArguments;
+use crate::arguments::{DraftArguments, domain_or_default, required};
 use crate::failure::Failure;
+use crate::output::{self, Form};
+use crate::plan_domain::{changed_domain, is_foreign as is_foreign_to, knows_no_step, other_domain, wrong_domain};
 use crate::{inputs, problem, show};
 
 /// A plan file, read and resolved.
@@ -34,15 +36,25 @@ impl Draft {
             let problem = problem::read(arguments.domain.as_deref(), file)?;
             return Self::for_problem(arguments, problem);
         }
-        let domain = load_domain(arguments.domain.as_deref().unwrap_or("household"))?;
+        let domain = load_domain(domain_or_default(arguments.domain.as_ref()))?;
         let (read, text) = Self::text(arguments, &domain)?;
         let shown = arguments.plan.display().to_string();
+        let planned = read.as_ref().and_then(|draft| other_domain(&draft.file, &domain));
+        let is_foreign = planned.is_some() || read.as_ref().is_some_and(|draft| knows_no_step(&draft.file, &domain));
         let before = read.as_ref().and_then(|draft| draft.file.environment_before.as_ref());
         let world = match (&arguments.env, before) {
             (Some(path), _) => inputs::world(&domain, path, None)?,
             (None, Some(environment)) => {
                 let inside = json::Path::key("environment_before");
-                inputs::read_world(&domain, environment, &shown, &text, &inside)?
+                let world = inputs::read_world(&domain, environment, &shown, &text, &inside);
+                match (world, is_foreign) {
+                    (Err(error), false) => return Err(error),
+                    (Err(_), true) => return Err(wrong_domain(&shown, planned, &domain).into()),
+                    (Ok(world), _) => world,
+                }
+            }
+            (None, None) if arguments.project_env.is_some() => {
+                inputs::world(&domain, required(arguments.project_env.as_deref())?, None)?
             }
             (None, None) => {
                 let failure = Failure::unreadable(format!("{shown} has no `environment_before`"));
@@ -52,7 +64,10 @@ impl Draft {
             }
         };
         let (draft, notes) = match read {
-            Some(draft) => (draft, Vec::new()),
+            Some(draft) => {
+                let notes = changed_domain(&draft.file, &domain).into_iter().collect();
+                (draft, notes)
+            }
             None => inputs::printed_plan(&world, &shown, &text)?,
         };
         let mut world = inputs::with_rules(world, arguments.rules.as_deref())?;
@@ -76,13 +91,18 @@ impl Draft {
                 goal = Some(goal::parse(&world, text).map_err(wrong)?);
             }
         }
-        Ok(Self {
+        let read = Self {
             world,
             draft,
             goal,
             wanted: Vec::new(),
             notes,
-        })
+        };
+        // A plan for one domain may be valid in another one that has its actions too.
+        match other_domain(&read.draft.file, &domain).filter(|_| is_foreign_to(&read.assessment().verdict())) {
+            Some(planned) => Err(wrong_domain(&shown, Some(planned), &domain).into()),
+            None => Ok(read),
+        }
     }
 
     /// Reads the text of a plan file; none in place of a draft for what a planner prints, which is read when its world is known.
@@ -136,10 +156,15 @@ impl Draft {
         let assessment = self.assessment();
         assessment.verified().ok_or_else(|| {
             let answer = assessment.verdict();
-            show::answer(&answer, show::Changes::Shown);
-            show::hint(&format!(
-                "only a verified plan is {use_of}; `longstep repair PLAN.json --save FILE` may mend it"
-            ));
+            match output::form() {
+                Form::Text => {
+                    show::answer(&answer, show::Changes::Shown);
+                    show::hint(&format!(
+                        "only a verified plan is {use_of}; `longstep repair PLAN.json --save FILE` may mend it"
+                    ));
+                }
+                form => output::in_form(form, &answer),
+            }
             answer.status.exit_code()
         })
     }

@@ -82,7 +82,7 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
     let results = match recorded {
         Some((recorded, _)) => perform(&mut task, 1, &|| Box::new(recorded.clone()))?,
         None => {
-            let reference: ModelReference = arguments.model.model.parse()?;
+            let reference: ModelReference = arguments.model.name().parse()?;
             let embedded = matches!(reference, ModelReference::Catalogue(_) | ModelReference::File(_));
             if embedded && arguments.jobs > 1 {
                 return Err(Failure::unreadable("an embedded model answers one request at a time")
@@ -201,7 +201,7 @@ fn task(
     let model = &arguments.model;
     let (model_sha256, server) = match recorded {
         Some((_, sha256)) => (Some(sha256.clone()), None),
-        None => inputs::origin(&model.model.parse()?)?,
+        None => inputs::origin(&model.name().parse()?)?,
     };
     let plan = Plan {
         version: VERSION,
@@ -212,7 +212,7 @@ fn task(
         domain_sha256: domain_sha256(&files),
         model: match recorded {
             Some(_) => "recorded replies".to_owned(),
-            None => inputs::without_address(&model.model),
+            None => inputs::without_address(model.name()),
         },
         model_sha256,
         adapters: inputs::adapters(&model.adapters())?,

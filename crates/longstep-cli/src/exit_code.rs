@@ -2,6 +2,8 @@
 
 /// A plan, domain or recording that was checked is not valid.
 pub(crate) const NOT_VALID: u8 = 10;
+/// Arguments that do not fit together.
+pub(crate) const WRONG_ARGUMENTS: u8 = 2;
 /// Input that cannot be read.
 pub(crate) const UNREADABLE: u8 = 30;
 /// A limit was reached.

@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
             let written = Written::of_plan(&draft.world, verified.plan());
             output::document(&script::write(&written));
         }
-        PlanFormat::Json => output::json(&answer.plan)?,
+        PlanFormat::Json => output::json(&answer.plan.clone().of_domain(draft.world.domain()))?,
     }
     Ok(answer.status.exit_code())
 }

@@ -3,11 +3,12 @@
 use longstep::dialogue::{DialogueError, PromptError};
 use longstep::goal::GoalError;
 use longstep::session::ResumeError;
-use longstep_core::diagnostic::Diagnostics;
+use longstep_core::diagnostic::{Diagnostic, Diagnostics};
 use longstep_core::secret;
 use longstep_llm::{AdvanceError, ConverseError, DomainError, FolderError, ModelError, TextFileError};
+use serde::Serialize;
 
-use crate::output::{Style, remark};
+use crate::output::{self, Form, Style, remark};
 
 pub(crate) use crate::exit_code::{LIMIT, MODEL, NOT_VALID, UNREADABLE};
 
@@ -15,6 +16,8 @@ pub(crate) use crate::exit_code::{LIMIT, MODEL, NOT_VALID, UNREADABLE};
 #[derive(Debug)]
 pub(crate) struct Failure {
     message: String,
+    /// The messages after the first, of a failure that has several.
+    further: Vec<String>,
     hint: Option<String>,
     code: u8,
 }
@@ -27,8 +30,19 @@ impl Failure {
     pub(crate) fn new(message: impl Into<String>, code: u8) -> Self {
         Self {
             message: message.into(),
+            further: Vec::new(),
             hint: None,
             code,
+        }
+    }
+
+    /// A failure for several reasons, each of which is a line.
+    pub(crate) fn several(messages: Vec<String>) -> Self {
+        let mut messages = messages.into_iter();
+        let first = Self::unreadable(messages.next().unwrap_or_default());
+        Self {
+            further: messages.collect(),
+            ..first
         }
     }
 
@@ -46,27 +60,125 @@ impl std::fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// Prints an error to stderr and returns the exit code for it.
-pub(crate) fn tell(error: &anyhow::Error) -> u8 {
-    if let Some(findings) = findings(error) {
-        for finding in &findings.0 {
-            let mut finding = finding.clone();
-            let hint = finding.hint.take();
-            remark!("{} {finding}", "error:".red().bold());
-            if let Some(hint) = hint {
-                remark!("{} {hint}", "hint:".cyan().bold());
-            }
+/// The most findings that are printed as lines.
+const LINES: usize = 20;
+
+/// An error as it is printed. `docs/schema/error.schema.json` describes the object.
+#[derive(Debug, Serialize)]
+struct Report {
+    code: u8,
+    /// The error in one line; of several findings the first.
+    message: String,
+    hint: Option<String>,
+    /// The findings of an error that has several, or that has a place in a file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    findings: Vec<FindingReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct FindingReport {
+    file: Option<String>,
+    line: Option<u32>,
+    column: Option<u32>,
+    message: String,
+    hint: Option<String>,
+    /// The finding as a line of text.
+    #[serde(skip)]
+    line_of_text: String,
+}
+
+impl FindingReport {
+    fn of_diagnostic(finding: &Diagnostic) -> Self {
+        let mut finding = finding.clone();
+        let hint = finding.hint.take();
+        Self {
+            line_of_text: finding.to_string(),
+            file: Some(finding.file),
+            line: finding.position.map(|position| position.line),
+            column: finding.position.map(|position| position.column),
+            message: finding.message,
+            hint,
         }
-        return UNREADABLE;
     }
-    let (hint, code) = classify(error);
-    // Errors quote what a person wrote, such as an address with a password.
-    let text = format!("{error:#}");
-    remark!("{} {}", "error:".red().bold(), secret::redacted(&text));
-    if let Some(hint) = hint {
-        remark!("{} {}", "hint:".cyan().bold(), secret::redacted(&hint));
+
+    fn of_text(text: &str) -> Self {
+        let message = secret::redacted(text).into_owned();
+        Self {
+            file: None,
+            line: None,
+            column: None,
+            line_of_text: message.clone(),
+            message,
+            hint: None,
+        }
     }
-    code
+}
+
+impl Report {
+    fn of(error: &anyhow::Error) -> Self {
+        if let Some(findings) = findings(error) {
+            let findings: Vec<_> = findings.0.iter().map(FindingReport::of_diagnostic).collect();
+            let first = findings.first();
+            return Self {
+                code: UNREADABLE,
+                message: first.map_or_else(String::new, |first| first.line_of_text.clone()),
+                hint: first.and_then(|first| first.hint.clone()),
+                findings,
+            };
+        }
+        let (hint, code) = classify(error);
+        // Errors quote what a person wrote, such as an address with a password.
+        let message = secret::redacted(&format!("{error:#}")).into_owned();
+        let further = error
+            .downcast_ref::<Failure>()
+            .map_or(&[][..], |failure| &failure.further);
+        let findings = match further {
+            [] => Vec::new(),
+            further => {
+                let all = std::iter::once(&message).chain(further);
+                all.map(|text| FindingReport::of_text(text)).collect()
+            }
+        };
+        Self {
+            code,
+            message,
+            hint: hint.map(|hint| secret::redacted(&hint).into_owned()),
+            findings,
+        }
+    }
+
+    /// Prints a line for each finding, with its hint.
+    fn print(&self) {
+        let error = |text: &str| remark!("{} {text}", "error:".red().bold());
+        let hint = |text: &Option<String>| {
+            if let Some(text) = text {
+                remark!("{} {text}", "hint:".cyan().bold());
+            }
+        };
+        for finding in self.findings.iter().take(LINES) {
+            error(&finding.line_of_text);
+            hint(&finding.hint);
+        }
+        match self.findings.len() {
+            0 => error(&self.message),
+            count if count > LINES => remark!("and {} more", count - LINES),
+            _ => {}
+        }
+        // The hints of findings in files are printed with them.
+        if self.findings.iter().all(|finding| finding.hint.is_none()) {
+            hint(&self.hint);
+        }
+    }
+}
+
+/// Prints an error and returns the exit code for it: to stderr, or as one JSON object to stdout if `--json` is given.
+pub(crate) fn tell(error: &anyhow::Error) -> u8 {
+    let report = Report::of(error);
+    match output::form() {
+        Form::Text => report.print(),
+        form => output::in_form(form, &serde_json::json!({ "error": report })),
+    }
+    report.code
 }
 
 /// Findings about files that the person wrote; each is printed with its own hint.

@@ -7,6 +7,7 @@ use longstep::domain::{self, Domain};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::goal;
 use longstep_core::json;
+use longstep_core::model::DomainData;
 use longstep_core::pddl;
 use longstep_core::plan::{self, PlanFile, TaskCohesion};
 use longstep_llm::{load_domain, load_domain_with_prompt, plain_reason, read_text, write_whole};
@@ -130,9 +131,9 @@ pub(crate) fn printed_plan(world: &World, shown: &str, text: &str) -> Result<(pl
     Ok((draft, notes))
 }
 
-/// Writes a plan's file atomically.
-pub(crate) fn save(path: &Path, plan: &PlanFile) -> Result<()> {
-    let mut json = serde_json::to_string_pretty(plan)?;
+/// Writes a plan's file atomically, with the domain for which the plan was made.
+pub(crate) fn save(path: &Path, plan: &PlanFile, domain: &DomainData) -> Result<()> {
+    let mut json = serde_json::to_string_pretty(&plan.clone().of_domain(domain))?;
     json.push('\n');
     write_whole(path, json.as_bytes()).map_err(|error| {
         Failure::unreadable(format!("cannot write {}: {}", path.display(), plain_reason(&error)))

@@ -23,8 +23,10 @@ mod lanes;
 mod model;
 mod output;
 mod plan;
+mod plan_domain;
 mod problem;
 mod progress;
+mod project;
 mod question;
 mod repair;
 mod robot;
@@ -37,32 +39,41 @@ mod solve;
 mod teach;
 mod verify;
 
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use arguments::Command;
+use output::Style;
 
 fn main() -> ExitCode {
-    let arguments = match output::parsed() {
+    let mut arguments = match output::parsed() {
         Ok(arguments) => arguments,
         Err(code) => return ExitCode::from(output::finished(code)),
     };
-    let result = match arguments.command {
-        Command::Plan(arguments) => plan::run(&arguments),
-        Command::Chat(arguments) => chat::run(&arguments),
-        Command::Session(command) => session::run(&command),
-        Command::Verify(arguments) => verify::run(&arguments),
-        Command::Repair(arguments) => repair::run(&arguments),
-        Command::Teach(arguments) => teach::run(&arguments),
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Robot(command) => robot::run(&command),
-        Command::Export(arguments) => export::run(&arguments),
-        Command::Solve(arguments) => solve::run(&arguments),
-        Command::See(arguments) => see::run(&arguments),
-        Command::Compose(arguments) => compose::run(&arguments),
-        Command::Eval(arguments) => eval::run(&arguments),
-        Command::Domain(command) => domain::run(&command),
-        Command::Model(command) => model::run(&command),
-    };
-    let code = result.unwrap_or_else(|error| failure::tell(&error));
+    let code = run(&mut arguments.command).unwrap_or_else(|error| failure::tell(&error));
     ExitCode::from(output::finished(code))
+}
+
+fn run(command: &mut Command) -> anyhow::Result<u8> {
+    let taken = command.complete()?;
+    if let Some(sentence) = taken.sentence().filter(|_| std::io::stderr().is_terminal()) {
+        output::remark!("{}", sentence.dimmed());
+    }
+    match command {
+        Command::Plan(arguments) => plan::run(arguments),
+        Command::Chat(arguments) => chat::run(arguments),
+        Command::Session(command) => session::run(command),
+        Command::Verify(arguments) => verify::run(arguments),
+        Command::Repair(arguments) => repair::run(arguments),
+        Command::Teach(arguments) => teach::run(arguments),
+        Command::Run(arguments) => run::run(arguments),
+        Command::Robot(command) => robot::run(command),
+        Command::Export(arguments) => export::run(arguments),
+        Command::Solve(arguments) => solve::run(arguments),
+        Command::See(arguments) => see::run(arguments),
+        Command::Compose(arguments) => compose::run(arguments),
+        Command::Eval(arguments) => eval::run(arguments),
+        Command::Domain(command) => domain::run(command),
+        Command::Model(command) => model::run(command),
+    }
 }

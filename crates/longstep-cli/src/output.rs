@@ -109,6 +109,34 @@ pub(crate) fn end_progress(bar: &ProgressBar) {
     bar.finish_and_clear();
 }
 
+/// The form of what a command prints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    Text,
+    /// One JSON object.
+    Json,
+    /// JSON objects, one a line.
+    JsonLines,
+}
+
+static FORM: OnceLock<Form> = OnceLock::new();
+
+/// The form that the arguments of the program ask for.
+pub(crate) fn form() -> Form {
+    FORM.get().copied().unwrap_or(Form::Text)
+}
+
+/// Prints a value in a form of JSON. A value that JSON cannot express is not printed.
+pub(crate) fn in_form(form: Form, value: &impl Serialize) {
+    let printed = match form {
+        Form::JsonLines => json_line(value),
+        Form::Json | Form::Text => json(value),
+    };
+    if let Err(error) = printed {
+        remark!("{} {error}", "error:".red().bold());
+    }
+}
+
 /// Shows a message on a progress bar.
 #[expect(clippy::disallowed_methods, reason = "the message is made visible first")]
 pub(crate) fn progress(bar: &ProgressBar, message: &str) {

@@ -6,7 +6,7 @@ use longstep::report::{Answer, Status};
 use longstep::session::{Failure as NoPlan, Response, Session, Settings};
 use longstep_llm::advance;
 
-use crate::arguments::PlanArguments;
+use crate::arguments::{PlanArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::failure::{Failure, LIMIT, MODEL};
@@ -19,11 +19,11 @@ const INSTRUCTION_LIMIT: usize = 2000;
 pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let started = stopwatch();
     let instruction = checked_instruction(&arguments.instruction)?;
-    let named = &arguments.world.domain;
+    let named = domain_or_default(arguments.world.domain.as_ref());
     let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
-    let world = inputs::world(&domain, &arguments.world.env, arguments.world.rules.as_deref())?;
+    let world = inputs::world(&domain, arguments.world.env()?, arguments.world.rules.as_deref())?;
     let opening = stopwatch();
-    let mut model = ask::model(&arguments.model.model, &arguments.model)?;
+    let mut model = ask::model(arguments.model.name(), &arguments.model)?;
     let opened = stopwatch() - opening;
     let facts = model.facts();
     // The prompt to explain is the one for goals.
@@ -91,7 +91,9 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
         explain::readings(&answer.readings);
         output::blank();
     }
-    solve::finish(&answer, &goal, &shown, arguments.save.as_deref(), arguments.json)
+    let domain = session.world().domain();
+    let save = arguments.save.as_deref().map(|path| (path, &**domain));
+    solve::finish(&answer, &goal, &shown, save, arguments.json)
 }
 
 /// Returns the trimmed instruction, if it is neither empty nor too long.

@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
     answer.goal = pddl::write_goal(&problem.world, &problem.wanted)?;
     answer.timings_ms.total = milliseconds(started);
     if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
-        inputs::save(path, &answer.plan)?;
+        inputs::save(path, &answer.plan, problem.world.domain())?;
     }
     if arguments.json {
         show::json(&answer)?;

@@ -27,5 +27,6 @@ pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
         }
     };
     answer.timings_ms.total = milliseconds(started);
-    finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
+    let save = arguments.save.as_deref().map(|path| (path, &**draft.world.domain()));
+    finish(&answer, &[], &[], save, arguments.json)
 }

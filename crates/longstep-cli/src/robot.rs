@@ -9,7 +9,7 @@ use longstep_core::diagnostic::Diagnostic;
 use longstep_llm::{load_domain, read_text};
 use longstep_robot::ros2::{self, Configuration};
 
-use crate::arguments::{RobotCheckArguments, RobotCommand};
+use crate::arguments::{RobotCheckArguments, RobotCommand, domain_or_default};
 use crate::exit_code::NOT_VALID;
 use crate::inputs;
 use crate::output::{Style, print_line};
@@ -25,7 +25,7 @@ pub(crate) fn run(command: &RobotCommand) -> Result<u8> {
 
 /// Compares `robot.toml` with a domain, then tries the connection. Findings are the result of the command and go to stdout.
 fn check(arguments: &RobotCheckArguments) -> Result<u8> {
-    let domain = load_domain(&arguments.domain)?;
+    let domain = load_domain(domain_or_default(arguments.domain.as_ref()))?;
     let world = match &arguments.env {
         Some(env) => Some(inputs::world(&domain, env, None)?),
         None => None,

@@ -15,7 +15,7 @@ use longstep_core::secret;
 use longstep_llm::{load_domain, session_directory};
 use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, reports};
 
-use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments, TrustArgument};
+use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments, TrustArgument, domain_or_default};
 use crate::exit_code::{LIMIT, NOT_SEEN, NOT_VALID, ROBOT, STOPPED};
 use crate::failure::Failure;
 use crate::output::remark;
@@ -60,7 +60,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     };
     let header = RunHeader {
         dry_run: opened.is_dry,
-        ..RunHeader::new(named, &arguments.domain)
+        ..RunHeader::new(named, domain_or_default(arguments.domain.as_ref()))
     };
     let log = RunLog::create(&path, &header)
         .map_err(|error| Failure::unreadable(error.to_string()).hint("name a new file with `--log RUN.jsonl`"))?;

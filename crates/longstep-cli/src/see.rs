@@ -15,7 +15,7 @@ use longstep_core::json;
 use longstep_llm::{ChatModel, converse, load_domain, plain_reason, write_whole};
 use serde::Serialize;
 
-use crate::arguments::SeeArguments;
+use crate::arguments::{SeeArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::failure::{Failure, LIMIT, NOT_VALID};
 use crate::output::{self, print_line};
@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &SeeArguments) -> Result<u8> {
     if let Some(named) = &arguments.update {
         return update::run(arguments, &source, named);
     }
-    let domain = load_domain(arguments.domain.as_deref().unwrap_or("household"))?;
+    let domain = load_domain(domain_or_default(arguments.domain.as_ref()))?;
     let seen = seen(arguments, &domain, &source)?;
     let saved = match seen.agreed {
         true => save(arguments.output.as_deref(), &seen.report.environment)?,
@@ -147,7 +147,7 @@ fn seen_by_model(arguments: &SeeArguments, domain: &Domain, source: &Source) -> 
         return Err(Failure::unreadable("there is nothing to describe").into());
     };
     let mut model = match pictures.is_empty() {
-        true => ask::model(&arguments.model.model, &arguments.model)?,
+        true => ask::model(arguments.model.name(), &arguments.model)?,
         false => ask::seeing_model(&arguments.model, arguments.vision.as_deref())?,
     };
     let input = SightInput {

@@ -8,10 +8,11 @@ use longstep::goal::{self, Goal};
 use longstep::report;
 use longstep::report::{Answer, Status};
 use longstep_core::environment::World;
+use longstep_core::model::DomainData;
 use longstep_core::pddl::{self, WriteError};
 use longstep_llm::load_domain;
 
-use crate::arguments::SolveArguments;
+use crate::arguments::{SolveArguments, domain_or_default, required};
 use crate::clock::{milliseconds, stopwatch};
 use crate::failure::Failure;
 use crate::output::{self, Line, print_line, remark};
@@ -19,12 +20,13 @@ use crate::{inputs, lanes, problem, show};
 
 pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let started = Instant::now();
-    let (goal, env) = match (&arguments.goal, &arguments.env, &arguments.problem) {
-        (Some(goal), Some(env), None) => (goal, env),
+    let goal = match (&arguments.goal, &arguments.problem) {
+        (Some(goal), None) => goal,
         // clap requires exactly one of `--goal` and `--problem`.
-        (_, _, problem) => return problem::run(arguments, problem.as_deref().unwrap_or(Path::new(""))),
+        (_, problem) => return problem::run(arguments, problem.as_deref().unwrap_or(Path::new(""))),
     };
-    let domain = load_domain(arguments.domain.as_deref().unwrap_or("household"))?;
+    let env = required(arguments.env.as_deref())?;
+    let domain = load_domain(domain_or_default(arguments.domain.as_ref()))?;
     let mut world = inputs::world(&domain, env, arguments.rules.as_deref())?;
     let text = goal;
     world.add_values(text);
@@ -69,7 +71,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         &answer,
         &goal_lines(&world, &goal),
         &shown,
-        arguments.save.as_deref(),
+        arguments.save.as_deref().map(|path| (path, &**world.domain())),
         arguments.json,
     )
 }
@@ -80,10 +82,17 @@ pub(crate) fn goal_lines(world: &World, goal: &Goal) -> Vec<String> {
 }
 
 /// Saves and prints an answer, and returns the exit code. `lanes` are the lines of a parallel plan, empty for a
-/// sequential one.
-pub(crate) fn finish(answer: &Answer, goal: &[String], lanes: &[Line], save: Option<&Path>, json: bool) -> Result<u8> {
-    if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
-        inputs::save(path, &answer.plan)?;
+/// sequential one. A plan is saved with its domain.
+pub(crate) fn finish(
+    answer: &Answer,
+    goal: &[String],
+    lanes: &[Line],
+    save: Option<(&Path, &DomainData)>,
+    json: bool,
+) -> Result<u8> {
+    let saved = save.filter(|_| answer.status == Status::Verified);
+    if let Some((path, domain)) = saved {
+        inputs::save(path, &answer.plan, domain)?;
     }
     if json {
         show::json(answer)?;
@@ -98,7 +107,7 @@ pub(crate) fn finish(answer: &Answer, goal: &[String], lanes: &[Line], save: Opt
             }
         }
         show::answer_in_lanes(answer, show::Changes::Shown, lanes);
-        if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
+        if let Some((path, _)) = saved {
             remark!("Saved to {}", path.display());
         }
     }

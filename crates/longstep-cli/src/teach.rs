@@ -31,8 +31,9 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
     let draft = Draft::read(&DraftArguments {
         plan: arguments.plan.clone(),
         env: arguments.env.clone(),
+        project_env: arguments.project_env.clone(),
         problem: None,
-        domain: Some(arguments.domain.clone()),
+        domain: Some(arguments.domain().to_owned()),
         rules: arguments.rules.clone(),
     })?;
     let plan = match draft.verified("taught") {
@@ -41,7 +42,7 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
     };
     let requests = requests(plan.world(), plan.plan());
     if requests.iter().all(|request| request.parameters.is_empty()) {
-        let domain = &arguments.domain;
+        let domain = arguments.domain();
         return Err(Failure::unreadable(format!(
             "the domain `{domain}` declares no parameters that a person teaches"
         ))
@@ -108,7 +109,7 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
 }
 
 fn conclude(arguments: &TeachArguments, lesson: &Lesson) {
-    let (plan, file, domain) = (arguments.plan.display(), arguments.output.display(), &arguments.domain);
+    let (plan, file, domain) = (arguments.plan.display(), arguments.output.display(), arguments.domain());
     let values: usize = lesson.steps.iter().map(|step| step.values.len()).sum();
     print_line!("{file} has {values} value(s) of {} step(s)", lesson.steps.len());
     match lesson.is_complete() {

@@ -80,6 +80,7 @@ fn plan() -> impl Strategy<Value = PlanFile> {
                     instruction_summary: summary,
                     question,
                     purpose: None,
+                    domain: None,
                 }
             },
         )

@@ -121,8 +121,14 @@ fn the_schema_accepts_what_the_reader_accepts() {
         "environment_before": { "assets": ["<t>"], "objects": ["<x>"], "object_states": { "<x>": ["on(<t>)"] } },
         "instruction_summary": "", "question": ""
     });
+    let of = |domain: Value| json!({ "python_script": "a()", "domain": domain });
     for (file, accepted) in [
         (flat, true),
+        (of(json!({ "name": "porter", "hash": "00" })), true),
+        (of(json!({ "name": "porter" })), true),
+        (of(json!({ "hash": "00" })), false),
+        (of(json!({ "name": 7 })), false),
+        (of(json!("porter")), false),
         (json!({ "python_script": "a()" }), true),
         (
             json!({ "python_script": "a()", "task_cohesion": { "task_sequence": [] } }),

@@ -10,9 +10,9 @@ use longstep_llm::AdapterChoice;
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ModelArguments {
     /// Language model: a name of `longstep model list`, a .gguf file, openai:NAME, azure:DEPLOYMENT,
-    /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE
-    #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", hide_env_values = true, default_value = longstep_llm::catalogue::DEFAULT)]
-    pub(crate) model: String,
+    /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE [default: qwen2.5-coder-1.5b]
+    #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", hide_env_values = true)]
+    pub(crate) model: Option<String>,
     /// Adapter of an embedded model, a .gguf file, for one of its tasks (repeatable); `off` for none [default: those of the
     /// catalogue]
     #[arg(long, value_name = "FILE")]
@@ -44,6 +44,11 @@ pub(crate) struct ModelArguments {
 }
 
 impl ModelArguments {
+    /// The name of the model.
+    pub(crate) fn name(&self) -> &str {
+        self.model.as_deref().unwrap_or(longstep_llm::catalogue::DEFAULT)
+    }
+
     /// The adapters of an embedded model.
     pub(crate) fn adapters(&self) -> AdapterChoice {
         match &self.adapter[..] {

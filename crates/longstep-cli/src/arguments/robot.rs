@@ -17,9 +17,9 @@ pub(crate) struct RobotCheckArguments {
     /// Configuration of a robot behind ROS 2
     #[arg(value_name = "ROBOT.toml")]
     pub(crate) file: PathBuf,
-    /// Domain (the robot's actions): the name of a shipped domain, or a folder
-    #[arg(long, value_name = "DOMAIN", default_value = "household")]
-    pub(crate) domain: String,
+    /// Domain (the robot's actions): the name of a shipped domain, or a folder [default: household]
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) domain: Option<String>,
     /// Environment file: also compare tables and observations with its entities
     #[arg(long, value_name = "ENV.json")]
     pub(crate) env: Option<PathBuf>,

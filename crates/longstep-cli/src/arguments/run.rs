@@ -23,9 +23,12 @@ pub(crate) struct RunArguments {
     /// Environment file (the world before the plan) [default: the plan's own `environment_before`]
     #[arg(long, value_name = "ENV.json")]
     pub(crate) env: Option<PathBuf>,
-    /// Domain (the robot's actions): the name of a shipped domain, or a folder
-    #[arg(long, value_name = "DOMAIN", default_value = "household")]
-    pub(crate) domain: String,
+    /// Environment of the project, for an instruction and for a plan without one of its own.
+    #[arg(skip)]
+    pub(crate) project_env: Option<PathBuf>,
+    /// Domain (the robot's actions): the name of a shipped domain, or a folder [default: household]
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) domain: Option<String>,
     /// File of rules that bind every plan, one a line: never opened(fridge)
     #[arg(long, value_name = "FILE")]
     pub(crate) rules: Option<PathBuf>,

@@ -40,15 +40,25 @@ pub(crate) struct TeachArguments {
     /// Environment file (the world before the plan) [default: the plan's own `environment_before`]
     #[arg(long, value_name = "ENV.json")]
     pub(crate) env: Option<PathBuf>,
-    /// Domain (the robot's actions with their skill parameters): the name of a shipped domain, or a folder
-    #[arg(long, value_name = "DOMAIN", default_value = "household-taught")]
-    pub(crate) domain: String,
+    /// Environment of the project, for a plan without one of its own.
+    #[arg(skip)]
+    pub(crate) project_env: Option<PathBuf>,
+    /// Domain (the robot's actions with their skill parameters): the name of a shipped domain, or a folder [default:
+    /// household-taught]
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) domain: Option<String>,
     /// File of rules that bind every plan, one a line: never opened(fridge)
     #[arg(long, value_name = "FILE")]
     pub(crate) rules: Option<PathBuf>,
     /// Print one JSON object with the values and the findings
     #[arg(long, requires = "demo")]
     pub(crate) json: bool,
+}
+
+impl TeachArguments {
+    pub(crate) fn domain(&self) -> &str {
+        self.domain.as_deref().unwrap_or("household-taught")
+    }
 }
 
 /// A hand of the person.

@@ -177,7 +177,7 @@ impl Chat<'_> {
         let count = self.session.accepted().len();
         for number in 0..count {
             if let Some(plan) = self.session.plan_file(number) {
-                inputs::save(&folder.join(format!("{number}.json")), &plan)?;
+                inputs::save(&folder.join(format!("{number}.json")), &plan, self.session.domain())?;
             }
         }
         screen::notice(&format!("{} saved in {rest}", counted(count, "plan")));

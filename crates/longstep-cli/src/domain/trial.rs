@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &TryArguments) -> Result<u8> {
             .hint("give an environment with `--env` in which something is left to do")
             .into());
     }
-    let mut model = match ask::model(&arguments.model.model, &arguments.model) {
+    let mut model = match ask::model(arguments.model.name(), &arguments.model) {
         Ok(model) => model,
         Err(error) => {
             // The instructions and their goals are worth seeing without a model, too.

@@ -6,11 +6,13 @@ use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
 use longstep_core::{secret, visible};
 
+use super::Form;
 use crate::arguments::Arguments;
 
 /// Parses the arguments of the program. Help and errors are printed; the returned error is the exit code.
 pub(crate) fn parsed() -> Result<Arguments, u8> {
     let typed: Vec<OsString> = std::env::args_os().collect();
+    let _ = super::FORM.set(form(&typed));
     Arguments::try_parse_from(&typed).map_err(|error| {
         // The error repeats arguments inside styled text, so arguments are escaped before.
         let shown = typed.iter().map(|argument| shown_argument(&argument.to_string_lossy()));
@@ -19,6 +21,30 @@ pub(crate) fn parsed() -> Result<Arguments, u8> {
             _ => print(error),
         }
     })
+}
+
+/// Returns the form that `--json` asks for: `run` prints lines, all other commands one object.
+fn form(typed: &[OsString]) -> Form {
+    let options = typed.iter().take_while(|argument| *argument != "--");
+    let is_json = options.skip(1).any(|argument| argument == "--json");
+    match (is_json, typed.get(1)) {
+        (false, _) => Form::Text,
+        (true, Some(command)) if command == "run" => Form::JsonLines,
+        (true, _) => Form::Json,
+    }
+}
+
+/// Prints an error of the arguments as the object of all errors: its first paragraph is the message.
+fn print_object(error: &clap::Error, code: u8) {
+    let text = error.render().to_string();
+    let mut paragraphs = text.trim().split("\n\n");
+    let message = paragraphs.next().unwrap_or_default();
+    let message = message.strip_prefix("error: ").unwrap_or(message);
+    let words: Vec<&str> = message.split_whitespace().collect();
+    let object = serde_json::json!({
+        "error": { "code": code, "message": words.join(" "), "hint": "`longstep help` lists the commands and their options" },
+    });
+    super::in_form(super::form(), &object);
 }
 
 fn print(mut error: clap::Error) -> u8 {
@@ -30,12 +56,17 @@ fn print(mut error: clap::Error) -> u8 {
     for (kind, value) in values {
         error.insert(kind, value);
     }
+    let code = u8::try_from(error.exit_code()).unwrap_or(crate::exit_code::UNREADABLE);
+    if error.use_stderr() && super::form() != Form::Text {
+        print_object(&error, code);
+        return code;
+    }
     let shown = visible_but_styles(&error.render().ansi().to_string());
     match error.use_stderr() {
         true => super::to_stderr(&shown),
         false => super::to_stdout(&shown),
     }
-    u8::try_from(error.exit_code()).unwrap_or(crate::exit_code::UNREADABLE)
+    code
 }
 
 /// Escapes an argument, without the passwords of addresses.

@@ -14,7 +14,7 @@ use longstep_llm::{advance, read_text};
 use longstep_robot::{Robot, preflight, reports};
 
 use super::robot::{Opened, failure};
-use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments};
+use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::draft::Draft;
@@ -40,8 +40,9 @@ fn of_file(arguments: &RunArguments, path: &Path) -> Result<Result<Begun, u8>> {
     let mut draft = Draft::read(&DraftArguments {
         plan: path.to_owned(),
         env: arguments.env.clone(),
+        project_env: arguments.project_env.clone(),
         problem: None,
-        domain: Some(arguments.domain.clone()),
+        domain: arguments.domain.clone(),
         rules: arguments.rules.clone(),
     })?;
     if let Some(goal) = &arguments.goal {
@@ -53,18 +54,19 @@ fn of_file(arguments: &RunArguments, path: &Path) -> Result<Result<Begun, u8>> {
 
 fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<Begun, u8>> {
     let instruction = plan::checked_instruction(instruction)?;
-    let Some(env) = &arguments.env else {
+    let Some(env) = arguments.env.as_ref().or(arguments.project_env.as_ref()) else {
         return Err(Failure::unreadable(format!(
             "there is no file `{instruction}`, and an instruction needs a world"
         ))
         .hint("pass the environment with `--env ENV.json`")
         .into());
     };
-    let domain = inputs::domain_with_prompt(&arguments.domain, arguments.strategy.prompt.as_deref())?;
+    let named = domain_or_default(arguments.domain.as_ref());
+    let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
     let world = inputs::world(&domain, env, arguments.rules.as_deref())?;
-    let mut model = ask::model(&arguments.model.model, &arguments.model)?;
+    let mut model = ask::model(arguments.model.name(), &arguments.model)?;
     let settings = arguments.strategy.settings();
-    let mut session = Session::new(&arguments.domain, domain, world, settings, model.facts(), stopwatch);
+    let mut session = Session::new(named, domain, world, settings, model.facts(), stopwatch);
     session.instruct(instruction)?;
     let mut waiting = Waiting::new(model.name());
     advance(&mut session, model.as_mut(), None, &mut waiting)?;
@@ -125,7 +127,10 @@ fn refused(error: BeginError, teach: &str) -> anyhow::Error {
         BeginError::Purpose(_) => Failure::new(error.to_string(), NOT_VALID)
             .hint("nothing has moved; `longstep repair PLAN.json --save FILE` may mend the plan")
             .into(),
-        BeginError::Untaught(_) => Failure::unreadable(error.to_string()).hint(teach).into(),
+        BeginError::Untaught(missing) => {
+            let missing = missing.iter().map(ToString::to_string);
+            Failure::several(missing.collect()).hint(teach).into()
+        }
         _ => Failure::unreadable(error.to_string()).into(),
     }
 }

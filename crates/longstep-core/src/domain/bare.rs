@@ -1,5 +1,6 @@
 //! Domains without a wording file, from PDDL written for any planner.
 
+use super::load::content_hash;
 use super::pddl::{self, Dialect, Semantics};
 use super::{
     Action, Atom, Domain, DomainData, EnvironmentTypes, Function, Lexicon, Predicate, PredicateWords, RepairCosts,
@@ -30,7 +31,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
     let mut findings = Vec::new();
     let semantics = pddl::read(file, text, Dialect::Standard, &mut findings);
-    finished(file, semantics, findings)
+    finished((file, text), semantics, findings)
 }
 
 /// Reads a domain as [`from_pddl`] does, together with the text of a problem: objects of the problem that the actions name are
@@ -59,10 +60,14 @@ pub fn from_pddl_for(file: &str, text: &str, problem: &str) -> Result<Domain, Di
     }
     let mut findings = Vec::new();
     let semantics = pddl::read_expressions(file, &own.expressions, Dialect::Standard, &mut findings);
-    finished(file, semantics, findings)
+    finished((file, text), semantics, findings)
 }
 
-fn finished(file: &str, semantics: Semantics, mut findings: Vec<Diagnostic>) -> Result<Domain, Diagnostics> {
+fn finished(
+    (file, text): (&str, &str),
+    semantics: Semantics,
+    mut findings: Vec<Diagnostic>,
+) -> Result<Domain, Diagnostics> {
     let counts = [
         semantics.types.len(),
         semantics.constants.len(),
@@ -73,7 +78,7 @@ fn finished(file: &str, semantics: Semantics, mut findings: Vec<Diagnostic>) -> 
         findings.push(Diagnostic::whole(file, "too many names for one domain"));
     }
     if findings.is_empty() {
-        Ok(with_plain_words(semantics))
+        Ok(with_plain_words(semantics, content_hash(&[text])))
     } else {
         Err(Diagnostics::sorted(findings))
     }
@@ -121,7 +126,7 @@ pub fn declaration_positions(text: &str) -> DeclarationPositions {
     }
 }
 
-fn with_plain_words(semantics: Semantics) -> Domain {
+fn with_plain_words(semantics: Semantics, hash: String) -> Domain {
     let mut fluent = vec![false; semantics.predicates.len()];
     for effect in semantics.actions.iter().flat_map(|action| &action.effects) {
         fluent[effect.atom.predicate.index()] = true;
@@ -153,6 +158,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
     let functions = functions.map(|(index, function)| plain_function(function, is_changed(&semantics, index)));
     let functions = functions.collect();
     let data = DomainData {
+        hash,
         about: format!("The PDDL domain {}, without words of its own.", semantics.name),
         environment: EnvironmentTypes {
             asset: TypeId::OBJECT,

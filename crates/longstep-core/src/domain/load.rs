@@ -6,6 +6,7 @@ mod sensing;
 mod skills;
 mod values;
 
+use sha2::{Digest, Sha256};
 use toml::Spanned;
 
 use super::pddl::{Dialect, Reader, Scope, Semantics};
@@ -58,9 +59,23 @@ pub fn load_with_findings(files: &Files) -> (Option<Domain>, Vec<Diagnostic>) {
             semantics: &semantics,
             findings: &mut findings,
         };
-        loader.domain(parsed)
+        loader.domain(parsed, content_hash(&[&files.pddl, &files.words]))
     });
     (domain, findings)
+}
+
+/// Returns the hash of the texts that a domain was loaded from.
+pub(super) fn content_hash(texts: &[&str]) -> String {
+    let mut hash = Sha256::new();
+    for text in texts {
+        hash.update((text.len() as u64).to_le_bytes());
+        hash.update(text.as_bytes());
+    }
+    hash.finalize()
+        .iter()
+        .take(8)
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 /// Parses a TOML file; appends errors to `findings`.
@@ -215,7 +230,7 @@ impl Loader<'_> {
         })
     }
 
-    fn domain(&mut self, file: DomainFile) -> Domain {
+    fn domain(&mut self, file: DomainFile, hash: String) -> Domain {
         let environment = EnvironmentTypes {
             asset: self.kind(&file.environment.assets),
             object: self.kind(&file.environment.objects),
@@ -261,6 +276,7 @@ impl Loader<'_> {
         let values = self.values(&file.value, &environment);
         let data = DomainData {
             name: file.name,
+            hash,
             pddl_name: self.semantics.name.clone(),
             about: file.about,
             types: self.semantics.types.clone(),

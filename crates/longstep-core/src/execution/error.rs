@@ -16,7 +16,7 @@ pub enum BeginError {
     #[error("the plan does not achieve its purpose: {}", .0.join("; "))]
     Purpose(Vec<String>),
     /// Steps that a person has to teach first, in order; at least one.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Untaught(Vec<MissingSkill>),
 }
 

@@ -482,6 +482,8 @@ impl From<DomainData> for Domain {
 pub struct DomainData {
     /// The name.
     pub name: String,
+    /// The hash of the files that it was loaded from, 16 hexadecimal digits: a changed domain has another one.
+    pub hash: String,
     /// The name in `domain.pddl`, to which PDDL problems refer.
     pub pddl_name: String,
     /// A description in one sentence.

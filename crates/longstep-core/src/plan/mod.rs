@@ -17,7 +17,7 @@ mod written;
 pub use crate::model::StepId;
 pub use outline::{OutlineLine, outline};
 pub use paper::endings;
-pub use paper::{ChoiceFile, EndingFile, PlanFile, PurposeFile, TaskCohesion};
+pub use paper::{ChoiceFile, EndingFile, PlanDomain, PlanFile, PurposeFile, TaskCohesion};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
 pub use script::ScriptError;

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::{Node, Plan, StepId, Written, WrittenStep, read_tree, write_tree};
 use crate::call::{Call, NotACall};
 use crate::json::Path;
-use crate::model::{Ending, Environment, Fact, Words, World, written_fact};
+use crate::model::{DomainData, Ending, Environment, Fact, Words, World, written_fact};
 
 /// A plan file: the reply format of the paper's model, and the output of `longstep plan --save`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,6 +35,37 @@ pub struct PlanFile {
     /// The purpose for which the plan was made; none if it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub purpose: Option<PurposeFile>,
+    /// The domain for which the plan was made; none if it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub domain: Option<PlanDomain>,
+}
+
+/// The domain for which a plan was made.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanDomain {
+    /// Its name.
+    pub name: String,
+    /// The hash of its files, [`DomainData::hash`]; none if it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hash: Option<String>,
+}
+
+impl PlanDomain {
+    /// Returns the mark of a domain.
+    ///
+    /// ```
+    /// use longstep_core::{domain, plan::PlanDomain};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let mark = PlanDomain::of(&household);
+    /// assert_eq!((mark.name.as_str(), mark.hash.map(|hash| hash.len())), ("household", Some(16)));
+    /// ```
+    pub fn of(domain: &DomainData) -> Self {
+        Self {
+            name: domain.name.clone(),
+            hash: Some(domain.hash.clone()),
+        }
+    }
 }
 
 /// The purpose for which a plan was made, in the goal language, with identifiers of the environment.
@@ -102,11 +133,21 @@ impl From<TaskCohesion> for PlanFile {
             instruction_summary: String::new(),
             question: String::new(),
             purpose: None,
+            domain: None,
         }
     }
 }
 
 impl PlanFile {
+    /// Returns the plan with the mark of the domain for which it was made.
+    #[must_use]
+    pub fn of_domain(self, domain: &DomainData) -> Self {
+        Self {
+            domain: Some(PlanDomain::of(domain)),
+            ..self
+        }
+    }
+
     /// Returns the world with all values that the plan and its claim mention; borrowed if it has them.
     pub fn world_of<'w>(&self, world: &'w World) -> Cow<'w, World> {
         let mut own = Cow::Borrowed(world);

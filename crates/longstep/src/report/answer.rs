@@ -351,6 +351,7 @@ impl Answer {
                 instruction_summary: summary.to_owned(),
                 question: question.to_owned(),
                 purpose: None,
+                domain: None,
             },
             steps: Vec::new(),
             goal: Vec::new(),

@@ -9,7 +9,9 @@ use crate::diagnostic::Position;
 use crate::json::Path;
 use crate::literal::{LeniencyKind as Kind, Member, Notes, Value as Literal, ValueNode, shorten};
 use crate::model::{Environment, Words};
-use crate::plan::{ChoiceFile, EndingFile, PlanFile, PurposeFile, TaskCohesion, TreeError, read_tree, script};
+use crate::plan::{
+    ChoiceFile, EndingFile, PlanDomain, PlanFile, PurposeFile, TaskCohesion, TreeError, read_tree, script,
+};
 
 type Shaped<T> = Result<T, Unreadable>;
 
@@ -76,7 +78,7 @@ pub(super) fn plan(text: &str, node: &ValueNode, notes: &mut Notes) -> Shaped<Pl
     }
 }
 
-const PLAN_KEYS: [&str; 8] = [
+const PLAN_KEYS: [&str; 9] = [
     "task_cohesion",
     "python_script",
     "environment_before",
@@ -85,6 +87,7 @@ const PLAN_KEYS: [&str; 8] = [
     "instruction_summary",
     "question",
     "purpose",
+    "domain",
 ];
 const COHESION_KEYS: [&str; 5] = [
     "task_sequence",
@@ -169,6 +172,16 @@ impl Shape<'_, '_> {
                 .unwrap_or_default(),
             question,
             purpose: self.field(&fields, "purpose", Self::purpose)?,
+            domain: self.field(&fields, "domain", Self::domain)?,
+        })
+    }
+
+    fn domain(&mut self, node: &ValueNode, path: &Path) -> Shaped<PlanDomain> {
+        let fields = self.fields(node, path, &["name", "hash"])?;
+        let name = self.field(&fields, "name", Self::text)?;
+        Ok(PlanDomain {
+            name: self.required(name, &fields, "name", "the name of a domain", false)?,
+            hash: self.field(&fields, "hash", Self::text)?,
         })
     }
 
