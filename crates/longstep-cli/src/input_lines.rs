@@ -28,6 +28,17 @@ impl InputLines {
         Self { longest, lines: None }
     }
 
+    /// Forgets what was typed in the terminal and not read yet.
+    pub(crate) fn forget(&mut self) {
+        let lines = self.lines.iter();
+        lines.for_each(|lines| while lines.try_recv().is_ok() {});
+        #[cfg(unix)]
+        {
+            // A terminal that does not allow it keeps its lines, which then answer the question.
+            let _ = rustix::termios::tcflush(std::io::stdin(), rustix::termios::QueueSelector::IFlush);
+        }
+    }
+
     /// Waits for the next line.
     ///
     /// # Errors

@@ -109,6 +109,38 @@ pub(crate) fn end_progress(bar: &ProgressBar) {
     bar.finish_and_clear();
 }
 
+/// Returns true if a board of several lines can be drawn below what is printed.
+pub(crate) fn can_draw_board() -> bool {
+    can_redraw() && std::io::stdout().is_terminal()
+}
+
+/// Shows lines on a progress bar, each of which has to fit the terminal.
+#[expect(clippy::disallowed_methods, reason = "the lines are made visible first")]
+pub(crate) fn board(bar: &ProgressBar, lines: &[Line]) {
+    let lines: Vec<String> = lines.iter().map(Line::shown).collect();
+    let text = lines.join("\n");
+    bar.set_message(
+        match std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()) {
+            true => anstream::adapter::strip_str(&text).to_string(),
+            false => text,
+        },
+    );
+}
+
+/// The columns and lines of the terminal; 80 and 24 where they are not known.
+#[cfg(unix)]
+pub(crate) fn terminal_size() -> (usize, usize) {
+    let size = rustix::termios::tcgetwinsize(std::io::stderr()).ok();
+    let known = size.filter(|size| size.ws_col > 0 && size.ws_row > 0);
+    known.map_or((80, 24), |size| (size.ws_col.into(), size.ws_row.into()))
+}
+
+/// The columns and lines of a usual terminal.
+#[cfg(not(unix))]
+pub(crate) fn terminal_size() -> (usize, usize) {
+    (80, 24)
+}
+
 /// The form of what a command prints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {

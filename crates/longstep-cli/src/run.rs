@@ -1,6 +1,8 @@
 //! `longstep run`: carries out a verified plan on a robot, monitored and mended.
 
 mod begin;
+mod board;
+mod list;
 mod person;
 pub(crate) mod robot;
 mod view;
@@ -9,6 +11,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use longstep_core::domain::phrase;
 use longstep_core::environment::World;
 use longstep_core::execution::{Approval, Event, Execution, Resumed, Stop, Trust, Watch};
 use longstep_core::secret;
@@ -25,15 +28,18 @@ use begin::Begun;
 use person::Person;
 
 pub(crate) use begin::{aim_of, execution, observing};
-pub(crate) use person::{Decide, decision};
+pub(crate) use person::{Decide, Question};
 pub(crate) use robot::{Entry, Opened, exit_code as robot_exit_code, failure as robot_failure, open};
 pub(crate) use view::{View, end};
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
+    if arguments.list {
+        return list::list();
+    }
     match (&arguments.resume, &arguments.what) {
-        (Some(log), _) => resume(arguments, log),
+        (Some(log), _) => resume(arguments, &list::log_named(log)?),
         (None, Some(what)) => begin(arguments, what),
-        // clap requires one of the two.
+        // clap requires one of the three.
         (None, None) => Err(Failure::unreadable("nothing to run").into()),
     }
 }
@@ -56,7 +62,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     let execution = execution(&arguments.execution, &opened, &plan, &aim, teach)?;
     let path = match &arguments.log {
         Some(path) => path.clone(),
-        None => new_log(&runs_folder()?)?,
+        None => new_log(&runs_folder()?, &name_for(arguments, what))?,
     };
     let header = RunHeader {
         dry_run: opened.is_dry,
@@ -170,6 +176,7 @@ fn carry_out(
     announce(path, is_dry);
     let mut view = View::new(log, Person::new(request.clone()), arguments.json, is_dry);
     let stop = drive(&mut execution, robot, &mut view, request);
+    view.end();
     // Ends the program of a robot behind one.
     let _ = robot.stop();
     let after = execution.environment();
@@ -201,19 +208,27 @@ pub(crate) fn announce(log: &Path, is_dry: bool) {
 }
 
 fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
-    let log = path.display();
-    let under_way = execution.running().len();
+    let log = list::name_of(path);
+    let under_way: Vec<&str> = execution
+        .running()
+        .iter()
+        .map(|order| phrase(&order.explanation))
+        .collect();
     if let Stop::Robot(_) = stop {
-        let unknown = match under_way {
-            0 => "no step was under way".to_owned(),
-            count => format!("{count} step(s) were under way: unknown until the world is observed"),
+        let unknown = match &under_way[..] {
+            [] => "no step was under way".to_owned(),
+            steps => format!(
+                "under way, and unknown until the world is observed: {}",
+                steps.join("; ")
+            ),
         };
         show::hint(&format!(
             "{unknown}; `longstep run --resume {log}` goes on from the observed world"
         ));
-    } else if under_way > 0 {
+    } else if !under_way.is_empty() {
         show::hint(&format!(
-            "{under_way} step(s) were under way when the robot was stopped; {log} says which"
+            "under way when the robot was stopped: {}",
+            under_way.join("; ")
         ));
     }
     match stop {
@@ -254,9 +269,22 @@ fn runs_folder() -> Result<PathBuf> {
     Ok(folder)
 }
 
+/// The beginning of a run's name: the file of its plan, or the environment of its instruction.
+fn name_for(arguments: &RunArguments, what: &str) -> String {
+    let env = || arguments.env.as_deref().or(arguments.project_env.as_deref());
+    let file = match Path::new(what).is_file() {
+        true => Some(Path::new(what)),
+        false => env(),
+    };
+    let stem = file
+        .and_then(Path::file_stem)
+        .map(|stem| stem.to_string_lossy().into_owned());
+    stem.unwrap_or_else(|| "run".to_owned())
+}
+
 /// Returns a new file for a log in a folder.
-pub(crate) fn new_log(folder: &Path) -> Result<PathBuf> {
-    let mut names = (1..100_000).map(|number| folder.join(format!("run-{number}.jsonl")));
+pub(crate) fn new_log(folder: &Path, name: &str) -> Result<PathBuf> {
+    let mut names = (1..100_000).map(|number| folder.join(format!("{name}-{number}.jsonl")));
     let free = names.find(|path| !path.exists());
     free.ok_or_else(|| Failure::unreadable(format!("{} is full", folder.display())).into())
 }

@@ -9,13 +9,16 @@ use super::strategy::StrategyArguments;
 
 /// A plan or an instruction, and the robot that carries it out.
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("run").required(true).args(["what", "resume"])))]
+#[command(group(ArgGroup::new("run").required(true).args(["what", "resume", "list"])))]
 pub(crate) struct RunArguments {
     /// Plan file, or an instruction in plain English (needs --env)
     #[arg(value_name = "PLAN.json|INSTRUCTION")]
     pub(crate) what: Option<String>,
-    /// Log of an interrupted run to resume: a step that was under way is observed, or you are asked
-    #[arg(long, value_name = "RUN.jsonl", conflicts_with_all = ["env", "domain", "goal", "rules", "skills", "log", "observe", "changes"])]
+    /// List the runs that were kept, with their names
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Interrupted run to resume, its name in `--list` or its log: a step that was under way is observed, or you are asked
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["env", "domain", "goal", "rules", "skills", "log", "observe", "changes"])]
     pub(crate) resume: Option<PathBuf>,
     /// Robot: sim, sim:OPTION=VALUE,..., process:COMMAND, ros2:robot.toml or virtualhome:URL [default with --resume: the robot of the run]
     #[arg(long, value_name = "ROBOT")]

@@ -17,7 +17,7 @@ use super::typed_ahead::{LINE_LIMIT, TypedAhead};
 use crate::ask;
 use crate::failure::{Failure, LIMIT};
 use crate::output::remark;
-use crate::run::decision;
+use crate::run::Question;
 
 /// Number of lines in the history.
 const HISTORY: usize = 1000;
@@ -109,15 +109,19 @@ impl Lines {
     /// Asks a question about a run. None if nobody answers, or the run is to stop; Ctrl-C stops it.
     ///
     /// A line that was typed before the question does not answer it: it waits for the next prompt.
-    pub(super) fn decide(&mut self, question: &str, request: &StopRequest) -> Result<Option<bool>> {
-        remark!("{question} [y/n]");
+    pub(super) fn decide(&mut self, question: Question<'_>, request: &StopRequest) -> Result<Option<bool>> {
+        match self {
+            // The prompt has the answers.
+            Self::Terminal { .. } => remark!("{}", question.text()),
+            Self::Pipe(_) => remark!("{} {}", question.text(), question.answers().trim_end()),
+        }
         loop {
             let line = match self {
                 Self::Terminal {
                     editor, typed_ahead, ..
                 } => {
                     typed_ahead.keep();
-                    match editor.readline("[y/n] ") {
+                    match editor.readline(question.answers()) {
                         Ok(line) => line,
                         Err(ReadlineError::Interrupted | ReadlineError::Eof) => return Ok(None),
                         Err(error) => return Err(error.into()),
@@ -133,7 +137,7 @@ impl Lines {
                     }
                 },
             };
-            if let Some(decision) = decision(&line) {
+            if let Some(decision) = question.decision(&line) {
                 return Ok(Some(decision));
             }
         }

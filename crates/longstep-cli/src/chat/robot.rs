@@ -15,7 +15,7 @@ use super::{Chat, screen};
 use crate::arguments::ExecutionArguments;
 use crate::failure::Failure;
 use crate::output::{self, Style, counted, print_line, remark};
-use crate::run::{self, Decide, Entry, Opened, View};
+use crate::run::{self, Decide, Entry, Opened, Question, View};
 use crate::show;
 use crate::signals::{self, Armed};
 
@@ -85,7 +85,7 @@ struct Asked<'l> {
 }
 
 impl Decide for Asked<'_> {
-    fn decide(&mut self, question: &str) -> Option<bool> {
+    fn decide(&mut self, question: Question<'_>) -> Option<bool> {
         match self.lines.decide(question, &self.request) {
             Ok(decision) => decision,
             Err(error) => {
@@ -153,7 +153,7 @@ impl Chat<'_> {
         let teach = "nothing has moved; begin again with `--skills FILE`";
         let mut execution = run::execution(robot.arguments, own, &plan, &aim, teach)?;
         let (body, is_dry) = (own.robot.as_mut(), own.is_dry);
-        let path = run::new_log(self.folder.path())?;
+        let path = run::new_log(self.folder.path(), "run")?;
         let header = RunHeader {
             dry_run: is_dry,
             ..RunHeader::new(robot.named, self.session.domain().origin.as_str())
@@ -169,6 +169,7 @@ impl Chat<'_> {
         let mut view = View::new(log, asked, false, is_dry).of_approved();
         let before = self.session.robot_world().environment().clone();
         let stop = drive(&mut execution, body, &mut view, &request);
+        view.end();
         drop((view, armed));
         if is_dry {
             run::end(&execution, stop.as_ref(), is_dry);

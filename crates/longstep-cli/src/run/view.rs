@@ -8,7 +8,8 @@ use longstep_core::execution::{Effect, Event, Execution, Order, Proposal, Stop, 
 use longstep_core::plan::{Plan, outline};
 use longstep_robot::{Feedback, RobotError, RunLog, Watcher};
 
-use super::person::Decide;
+use super::board::Board;
+use super::person::{Decide, Question};
 use super::shown;
 use crate::output::{self, Style, print_line, remark};
 use crate::show;
@@ -26,6 +27,8 @@ pub(crate) struct View<'a> {
     robot_error: Option<RobotError>,
     /// The explanations of the orders under way.
     under_way: BTreeMap<u64, String>,
+    /// None where it cannot be drawn; then each step is a line.
+    board: Option<Board>,
 }
 
 impl<'a> View<'a> {
@@ -38,7 +41,23 @@ impl<'a> View<'a> {
             is_dry,
             robot_error: None,
             under_way: BTreeMap::new(),
+            board: Board::new().filter(|_| !json),
         }
+    }
+
+    /// Prints the steps of the board with how they ended.
+    pub(crate) fn end(&mut self) {
+        if let Some(board) = &mut self.board {
+            board.end();
+        }
+    }
+
+    /// Asks a person. The board is not drawn over the answer.
+    fn ask(&mut self, question: Question<'_>) -> Option<bool> {
+        if let Some(board) = &mut self.board {
+            board.pause();
+        }
+        self.person.decide(question)
     }
 
     /// The error that stopped the robot, if one did.
@@ -65,20 +84,28 @@ impl<'a> View<'a> {
                 let lane = lane
                     .as_ref()
                     .map_or(String::new(), |lane| format!("{}: ", shown(world, lane)));
-                print_line!("{order:>4}  {lane}{explanation}");
+                if self.board.is_none() {
+                    print_line!("{order:>4}  {lane}{explanation}");
+                }
                 self.under_way.insert(*order, format!("{lane}{explanation}"));
             }
             Event::Performed { order, outcome } => {
-                self.under_way.remove(order);
-                if let Some(outcome) = outcome {
-                    print_line!("{order:>4}  found: {outcome}");
-                } else if !self.under_way.is_empty() {
-                    print_line!("{order:>4}  done");
+                let done = self.under_way.remove(order);
+                match (outcome, &self.board) {
+                    (Some(outcome), None) => print_line!("{order:>4}  found: {outcome}"),
+                    (Some(outcome), Some(_)) => {
+                        print_line!("{}: {outcome}", phrase(&done.unwrap_or_default()));
+                    }
+                    (None, None) if !self.under_way.is_empty() => print_line!("{order:>4}  done"),
+                    (None, _) => {}
                 }
             }
             Event::Failed { order, why } => {
-                self.under_way.remove(order);
-                print_line!("{order:>4}  {} {why}", "failed:".red());
+                let failed = self.under_way.remove(order);
+                match self.board {
+                    None => print_line!("{order:>4}  {} {why}", "failed:".red()),
+                    Some(_) => print_line!("{} {} ({why})", "failed:".red(), phrase(&failed.unwrap_or_default())),
+                }
             }
             Event::Assessed { effect, because, steps } => assessed(*effect, because, steps),
             Event::Changed { steps, edits, .. } => {
@@ -132,9 +159,15 @@ impl Watcher for View<'_> {
         for event in events {
             if self.json {
                 output::json_line(event).map_err(|error| error.to_string())?;
-            } else {
-                self.print(execution.world(), event);
+                continue;
             }
+            self.print(execution.world(), event);
+            if let Some(board) = &mut self.board {
+                board.take(execution, event);
+            }
+        }
+        if let Some(board) = &mut self.board {
+            board.draw();
         }
         match output::failed() {
             true => Err("the output can no longer be written".to_owned()),
@@ -151,13 +184,14 @@ impl Watcher for View<'_> {
                     let plan = execution.plan();
                     steps(plan.world(), rest.as_ref().map_or(plan.plan(), |rest| &rest.plan));
                 }
-                self.person.decide("Run this plan?")
+                self.ask(Question::Proposal("Run this plan?"))
             }
             // Its steps were printed with the event.
-            Subject::Change(_) => self.person.decide("Go on with this change?"),
-            Subject::Step(order) => self
-                .person
-                .decide(&format!("Do this step: {}?", phrase(&order.explanation))),
+            Subject::Change(_) => self.ask(Question::Proposal("Go on with this change?")),
+            Subject::Step(order) => {
+                let question = format!("Do this step: {}?", phrase(&order.explanation));
+                self.ask(Question::Proposal(&question))
+            }
             _ => None,
         }
     }
@@ -168,7 +202,7 @@ impl Watcher for View<'_> {
             order.number,
             phrase(&order.explanation)
         );
-        self.person.decide(&question)
+        self.ask(Question::Fact(&question))
     }
 
     fn confirm(&mut self, _: &Execution, unseen: &Unseen) -> Option<bool> {
@@ -176,7 +210,7 @@ impl Watcher for View<'_> {
             Some(order) => format!("Nobody has seen it since step {order}"),
             None => "Nobody has seen it".to_owned(),
         };
-        self.person.decide(&format!("{since}: {}. Is it so?", unseen.what))
+        self.ask(Question::Fact(&format!("{since}: {}. Is it so?", unseen.what)))
     }
 
     fn feedback(&mut self, order: &Order, feedback: &Feedback) {

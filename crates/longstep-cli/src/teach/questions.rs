@@ -194,7 +194,7 @@ impl<'a> Questions<'a> {
         remark!("{question}");
         loop {
             let Some(line) = self.line()? else { return Ok(false) };
-            if let Some(decision) = crate::run::decision(&line) {
+            if let Some(decision) = crate::run::Question::Fact(question).decision(&line) {
                 return Ok(decision);
             }
         }
