@@ -170,7 +170,10 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     let reads = Reads::of(domain);
     let mut findings = never::findings(domain, &reach, &reads, &places);
     findings.extend(reads::findings(domain, &reads, &places));
-    findings.extend(effects::findings(domain, &reach, &places));
+    let of_effects = effects::findings(domain, &reach, &places);
+    // The finding about the action that causes it says more.
+    findings.retain(|own| own.lint != Lint::OneWayState || !of_effects.iter().any(|other| is_cause(other, own)));
+    findings.extend(of_effects);
     findings.extend(names::findings(domain, &reach, &places));
     findings.extend(explanations::findings(domain, &reach, &places));
     findings.extend(obsolete::findings(&places));
@@ -186,6 +189,11 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     let mut findings = without_accepted(findings, &places);
     findings.sort_by(|left, right| (&left.diagnostic, left.lint).cmp(&(&right.diagnostic, right.lint)));
     findings
+}
+
+/// Returns true for the finding about the action that keeps a fact true forever.
+fn is_cause(finding: &Finding, one_way: &Finding) -> bool {
+    matches!(finding.lint, Lint::PermanentFact | Lint::ConflictingFacts) && finding.of.last() == one_way.of.first()
 }
 
 /// Removes the accepted findings about an environment, and sorts the others.

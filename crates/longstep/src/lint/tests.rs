@@ -253,7 +253,7 @@ fn goals_rules_and_facts_that_can_never_be() {
 fn what_is_spent_for_good() {
     check(
         [pddl("(at ?parcel ?to) (not (carrying ?parcel))", "(at ?parcel ?to)")],
-        &["domain.pddl:15:6 one-way-state carrying"],
+        &["domain.pddl:29:12 conflicting-facts drop carrying"],
     );
     check(
         fly(":precondition (and (not (winged)) (not (robot-at ?to))) :effect (and (winged) (robot-at ?to))"),

@@ -151,9 +151,10 @@ fn contradicting(rules: &Rules<'_>, exchanges: &Exchanges, index: usize, left: R
                 seconds.any(|second| common_roles(first, second).contains(&(left, right)))
             })
     };
-    let lasts = |role: Role| !rules.changes(role.0, false);
+    // What is only gained is a record, such as a place that was visited.
+    let is_record = !rules.changes(right.0, false);
     let is_clear = others.len() > 1 || others.iter().all(|own| exchanges.is_only(*own, left, right));
-    match is_clear && !lasts(left) && !lasts(right) && !rules.actions.iter().enumerate().any(together) {
+    match is_clear && !is_record && !rules.actions.iter().enumerate().any(together) {
         true => others,
         false => Vec::new(),
     }
@@ -176,7 +177,14 @@ pub(super) fn swapped_arguments(rules: &Rules<'_>, exchanges: &Exchanges, findin
             let usual = elsewhere.map(|other| (moved.0, Some(other))).find_map(|role| {
                 let others = exchanges.between(fixed, role, own.action);
                 let all = exchanges.between(fixed, role, usize::MAX);
-                (!others.is_empty() && all.len() == others.len()).then_some(others)
+                // Of two actions, the one that makes the fact true is wrong.
+                let adds = || {
+                    rules.actions[own.action]
+                        .adds
+                        .iter()
+                        .any(|atom| atom.predicate == moved.0)
+                };
+                (all.len() == others.len() && (others.len() > 1 || others.len() == 1 && adds())).then_some(others)
             });
             let seen = found
                 .iter()
@@ -235,7 +243,7 @@ pub(super) fn vanished_objects(rules: &Rules<'_>, exchanges: &Exchanges, finding
         let gained = rules.domain.predicate(gained).name.as_str();
         let entity = shown_term(rules.domain, term, parameters);
         let message = format!(
-            "the action `{name}` makes `{}` false and nothing about `{entity}` true, but `{}` makes `{gained}` true instead",
+            "the action `{name}` makes `{}` false and nothing about `{entity}` true, but `{}` replaces one fact about it by another, with `{gained}`",
             shown(rules.domain, lost, parameters),
             rules.actions[other].name(),
         );
@@ -281,8 +289,14 @@ fn replacement(
         let mut places = places.filter(|(position, _)| Some(*position) != gained.1);
         makes_nothing || places.any(|(_, place)| others.iter().any(|kind| rules.reach.overlap(*kind, place.kind)))
     };
-    let mut all = exchanges.0.iter();
-    let found =
-        all.find(|own| own.action != index && own.lost == role && own.gained.0 != role.0 && fits(&own.gained))?;
-    Some((found.action, found.gained.0))
+    let others = || {
+        exchanges
+            .0
+            .iter()
+            .filter(|own| own.action != index && own.lost.0 != own.gained.0)
+    };
+    let replaces = others().find(|own| own.lost == role && fits(&own.gained));
+    let gives_back = || others().find(|own| own.gained == role && makes_nothing);
+    let replaced = replaces.map(|own| (own.action, own.gained.0));
+    replaced.or_else(|| gives_back().map(|own| (own.action, own.lost.0)))
 }

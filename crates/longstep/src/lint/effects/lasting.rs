@@ -5,7 +5,7 @@ use super::action_facts::{ActionFacts, is_certain};
 use super::exchange::common_roles;
 use crate::lint::notation::shown;
 use crate::lint::{Finding, Lint, quoted};
-use crate::model::{Atom, Condition, Domain, Effect, PredicateId, Unknown};
+use crate::model::{Atom, Condition, Domain, Effect, PredicateId};
 
 /// The values of each predicate that conditions other than those of goals require.
 pub(super) struct Required {
@@ -31,8 +31,20 @@ impl Required {
 
     fn add(&mut self, condition: &Condition) {
         for (atom, holds) in condition.atoms() {
-            let values = if holds { &mut self.positive } else { &mut self.negative };
-            values[atom.predicate.index()] = true;
+            if holds {
+                self.positive[atom.predicate.index()] = true;
+            }
+        }
+        self.add_negative(condition);
+    }
+
+    /// Notes what has to be false. The negation within `imply` and `or` is a case, and no requirement.
+    fn add_negative(&mut self, condition: &Condition) {
+        match condition {
+            Condition::Atom { atom, holds: false, .. } => self.negative[atom.predicate.index()] = true,
+            Condition::And(parts) => parts.iter().for_each(|part| self.add_negative(part)),
+            Condition::Forall(_, _, inner) | Condition::Exists(_, _, inner) => self.add_negative(inner),
+            _ => {}
         }
     }
 }
@@ -123,8 +135,7 @@ fn is_given(domain: &Domain, predicate: PredicateId) -> bool {
     let properties = domain.properties.iter().flat_map(|own| &own.literals);
     let derived = domain.derivations.iter().flat_map(|own| &own.literals);
     let mut literals = properties.chain(derived);
-    domain.words(predicate).unknown == Unknown::Assume
-        || literals.any(|own| own.holds && own.atom.predicate == predicate)
+    literals.any(|own| own.holds && own.atom.predicate == predicate)
 }
 
 /// Returns true if the added fact bars an action for good, and is a side effect.
@@ -140,6 +151,10 @@ fn is_barred(rules: &Rules<'_>, facts: &ActionFacts<'_>, effect: &Effect, requir
         return false;
     }
     let named = facts.parameters_of(&effect.atom);
+    // An object that changes once is common: an empty bottle stays empty.
+    if facts.excludes.contains(&&effect.atom) && !is_of_places(rules, facts, &named) {
+        return false;
+    }
     facts.adds.iter().any(|atom| {
         let own = facts.parameters_of(atom);
         let includes = named.iter().all(|slot| own.contains(slot));

@@ -6,6 +6,8 @@
 mod action_facts;
 mod exchange;
 mod lasting;
+#[cfg(test)]
+mod tests;
 
 use self::action_facts::ActionFacts;
 use self::exchange::Exchanges;
@@ -43,7 +45,10 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
     exchange::swapped_arguments(&rules, &exchanges, &mut findings);
     exchange::vanished_objects(&rules, &exchanges, &mut findings);
     lasting::lost_facts(&rules, &Required::of(domain), &mut findings);
+    let conflicts: Vec<Option<String>> = findings.iter().map(|own| own.of.last().cloned()).collect();
     lasting::permanent_facts(&rules, &mut findings);
+    // A fact that conflicts with another one has its finding.
+    findings.retain(|own| own.lint != Lint::PermanentFact || !conflicts.contains(&own.of.last().cloned()));
     idle_effects(&rules, &mut findings);
     effects_on_all(&rules, &mut findings);
     wrong_directions(&rules, &mut findings);
