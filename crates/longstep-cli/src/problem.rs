@@ -50,9 +50,11 @@ pub(crate) fn read(domain: Option<&str>, problem_file: &Path) -> Result<Problem>
         named.to_owned()
     };
     let text = read_text(problem_file)?;
-    let domain =
-        longstep_core::domain::from_pddl_for(&domain_file.display().to_string(), &read_text(&domain_file)?, &text)?;
-    Ok(pddl::read_problem(&domain, &problem_file.display().to_string(), &text)?)
+    let domain_text = read_text(&domain_file)?;
+    let own = longstep_core::domain::read_foreign(&domain_file.display().to_string(), &domain_text, Some(&text))?;
+    let mut problem = pddl::read_problem(&own.domain, &problem_file.display().to_string(), &text)?;
+    problem.notes.splice(0..0, own.notes);
+    Ok(problem)
 }
 
 /// Prints the plan, one step a line. All other lines are comments, so that other programs can read the plan.

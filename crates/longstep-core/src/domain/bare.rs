@@ -29,9 +29,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 /// # Ok::<(), longstep_core::diagnostic::Diagnostics>(())
 /// ```
 pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
-    let mut findings = Vec::new();
-    let semantics = pddl::read(file, text, Dialect::Standard, &mut findings);
-    finished((file, text), semantics, findings)
+    read_foreign(file, text, None).map(|own| own.domain)
 }
 
 /// Reads a domain as [`from_pddl`] does, together with the text of a problem: objects of the problem that the actions name are
@@ -51,23 +49,41 @@ pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
 /// # Ok::<(), longstep_core::diagnostic::Diagnostics>(())
 /// ```
 pub fn from_pddl_for(file: &str, text: &str, problem: &str) -> Result<Domain, Diagnostics> {
-    let mut own = pddl::foreign::read(file, text).map_err(|finding| Diagnostics(vec![finding]))?;
-    if let Some(define) = own.expressions.first_mut()
-        && let Ok(problem) = pddl::foreign::read_problem("", problem)
-        && let Some(problem) = problem.expressions.first()
-    {
-        pddl::foreign::declare_constants(define, problem);
-    }
-    let mut findings = Vec::new();
-    let semantics = pddl::read_expressions(file, &own.expressions, Dialect::Standard, &mut findings);
-    finished((file, text), semantics, findings)
+    read_foreign(file, text, Some(problem)).map(|own| own.domain)
 }
 
-fn finished(
-    (file, text): (&str, &str),
-    semantics: Semantics,
-    mut findings: Vec<Diagnostic>,
-) -> Result<Domain, Diagnostics> {
+/// A domain file of any origin, as this library reads it.
+#[derive(Debug, Clone)]
+pub struct ForeignDomain {
+    /// The domain, with PDDL's own wording.
+    pub domain: Domain,
+    /// The text in which this library would write it, if that is another one.
+    pub rewritten: Option<String>,
+    /// What was rewritten or left out.
+    pub notes: Vec<Diagnostic>,
+    /// The places of its declarations.
+    pub positions: DeclarationPositions,
+}
+
+/// Reads a domain as [`from_pddl`] and [`from_pddl_for`] do, and returns what was rewritten in it.
+///
+/// # Errors
+///
+/// All errors in the text of the domain, with their positions.
+///
+/// ```
+/// let text = "(define (domain lamps) (:predicates (lit ?lamp))
+///     (:durative-action light :parameters (?lamp) :duration (= ?duration 3) :condition () :effect (at end (lit ?lamp))))";
+/// let own = longstep_core::domain::read_foreign("lamps.pddl", text, None)?;
+/// assert!(own.rewritten.unwrap().contains("(:action light") && own.notes.len() == 1);
+/// # Ok::<(), longstep_core::diagnostic::Diagnostics>(())
+/// ```
+pub fn read_foreign(file: &str, text: &str, problem: Option<&str>) -> Result<ForeignDomain, Diagnostics> {
+    let problem = problem.and_then(|text| pddl::foreign::read_problem("", text).ok());
+    let problem = problem.as_ref().and_then(|own| own.expressions.first());
+    let own = pddl::foreign::read(file, text, problem).map_err(|finding| Diagnostics(vec![finding]))?;
+    let mut findings = Vec::new();
+    let semantics = pddl::read_expressions(file, &own.expressions, Dialect::Standard, &mut findings);
     let counts = [
         semantics.types.len(),
         semantics.constants.len(),
@@ -75,27 +91,23 @@ fn finished(
         semantics.actions.len(),
     ];
     if counts.iter().any(|count| *count > crate::model::ENTITY_LIMIT) {
-        findings.push(Diagnostic::whole(file, "too many names for one domain"));
+        let finding = Diagnostic::whole(file, "too many names for one domain");
+        findings.push(finding.hint(format!("a domain has at most {} of each kind", crate::model::ENTITY_LIMIT)));
     }
-    if findings.is_empty() {
-        Ok(with_plain_words(semantics, content_hash(&[text])))
-    } else {
-        Err(Diagnostics::sorted(findings))
+    if !findings.is_empty() {
+        return Err(Diagnostics::sorted(findings));
     }
-}
-
-/// Returns the domain file of somebody else as this library reads it, with notes about what was rewritten; none if nothing was.
-///
-/// ```
-/// let text = "(define (domain lamps) (:predicates (lit ?lamp))
-///     (:durative-action light :parameters (?lamp) :duration (= ?duration 3) :condition () :effect (at end (lit ?lamp))))";
-/// let (written, notes) = longstep_core::domain::adapted("lamps.pddl", text).unwrap();
-/// assert!(written.contains("(:action light") && notes.len() == 1);
-/// ```
-pub fn adapted(file: &str, text: &str) -> Option<(String, Vec<Diagnostic>)> {
-    let own = pddl::foreign::read(file, text).ok()?;
-    let is_as_written = super::sexpr::read(file, text).is_ok_and(|written| written == own.expressions);
-    (!is_as_written).then(|| (pddl::foreign::written(&own.expressions), own.notes))
+    let positions = DeclarationPositions {
+        predicates: semantics.predicate_positions.clone(),
+        functions: semantics.function_positions.clone(),
+        actions: semantics.action_positions.clone(),
+    };
+    Ok(ForeignDomain {
+        domain: with_plain_words(semantics, content_hash(&[text])),
+        rewritten: own.is_rewritten.then(|| pddl::written::written(&own.expressions)),
+        notes: own.notes,
+        positions,
+    })
 }
 
 /// The places in a PDDL file where its names are declared, in the order of the domain's lists.
@@ -107,23 +119,6 @@ pub struct DeclarationPositions {
     pub functions: Vec<Position>,
     /// The actions.
     pub actions: Vec<Position>,
-}
-
-/// Returns the places of the declarations in a PDDL file that [`from_pddl`] reads.
-///
-/// ```
-/// use longstep_core::diagnostic::Position;
-/// let text = "(define (domain lamps)\n (:predicates (lit ?lamp)))";
-/// let positions = longstep_core::domain::declaration_positions(text);
-/// assert_eq!(positions.predicates, [Position { line: 2, column: 16 }]);
-/// ```
-pub fn declaration_positions(text: &str) -> DeclarationPositions {
-    let semantics = pddl::read("", text, Dialect::Standard, &mut Vec::new());
-    DeclarationPositions {
-        predicates: semantics.predicate_positions,
-        functions: semantics.function_positions,
-        actions: semantics.action_positions,
-    }
 }
 
 fn with_plain_words(semantics: Semantics, hash: String) -> Domain {
@@ -143,7 +138,8 @@ fn with_plain_words(semantics: Semantics, hash: String) -> Domain {
     };
     // A fact without arguments has no entity under which an environment could list it.
     let about_something = semantics.predicates.iter().enumerate();
-    let states = about_something.filter(|(_, predicate)| !predicate.parameters.is_empty());
+    let is_derived = |index: usize| semantics.derived.iter().any(|own| own.predicate.index() == index);
+    let states = about_something.filter(|(index, predicate)| !predicate.parameters.is_empty() && !is_derived(*index));
     let state = |(index, predicate): (usize, &Predicate)| StateWord {
         word: predicate.name.clone(),
         parameters: predicate.parameters[1..].iter().map(|p| p.name.clone()).collect(),
@@ -167,6 +163,7 @@ fn with_plain_words(semantics: Semantics, hash: String) -> Domain {
         predicate_words: semantics.predicates.iter().zip(fluent).map(words).collect(),
         states: states.map(state).collect(),
         properties: Vec::new(),
+        derived: semantics.derived,
         derivations: Vec::new(),
         defaults: Vec::new(),
         rules: Vec::new(),

@@ -167,6 +167,7 @@ impl Loader<'_> {
             base,
             dialect: Dialect::Longstep,
             findings: self.findings,
+            expanded: 0,
         };
         read(&mut reader, expression)
     }
@@ -288,6 +289,7 @@ impl Loader<'_> {
             environment,
             states,
             properties,
+            derived: self.semantics.derived.clone(),
             derivations,
             defaults,
             rules,

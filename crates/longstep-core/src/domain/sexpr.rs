@@ -47,6 +47,17 @@ impl Expression {
         }
     }
 
+    /// Returns true if two expressions are equal, wherever they stand.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        match (&self.kind, &other.kind) {
+            (ExpressionKind::Word(own), ExpressionKind::Word(other)) => own == other,
+            (ExpressionKind::List(own), ExpressionKind::List(other)) => {
+                own.len() == other.len() && own.iter().zip(other).all(|(own, other)| own.is_same(other))
+            }
+            _ => false,
+        }
+    }
+
     /// Returns the items of a list after its first word, if that word is `head`.
     pub fn tail_of(&self, head: &str) -> Option<&[Expression]> {
         match self.list()? {

@@ -122,7 +122,7 @@ impl Condition {
     }
 
     /// Returns the condition with the slots of its quantifiers renumbered, and other terms.
-    fn with_terms(self, slot: &impl Fn(Slot) -> Slot, term: &impl Fn(Term) -> Term) -> Self {
+    pub(crate) fn with_terms(self, slot: &impl Fn(Slot) -> Slot, term: &impl Fn(Term) -> Term) -> Self {
         self.map(slot, &|literal| match literal {
             Self::Atom { mut atom, holds, at } => {
                 atom.terms.iter_mut().for_each(|place| *place = term(*place));

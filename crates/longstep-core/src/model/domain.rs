@@ -93,6 +93,16 @@ impl Types {
     }
 }
 
+/// A derived predicate: a name for a condition. No state has facts of it; [`crate::domain`] writes its condition wherever one is
+/// asked for.
+#[derive(Debug, Clone)]
+pub struct DerivedPredicate {
+    /// The predicate.
+    pub predicate: PredicateId,
+    /// The condition on its parameters, the slots from 0.
+    pub condition: Condition,
+}
+
 /// A typed parameter of a predicate, an action or a goal word.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parameter {
@@ -506,6 +516,8 @@ pub struct DomainData {
     pub states: Vec<StateWord>,
     /// The property words.
     pub properties: Vec<PropertyWord>,
+    /// The derived predicates, each after those that its condition was made from.
+    pub derived: Vec<DerivedPredicate>,
     /// The derivations of static facts.
     pub derivations: Vec<Derivation>,
     /// The facts assumed in the initial state.

@@ -28,6 +28,7 @@ use crate::environment;
 use crate::lint::{Finding, lint, lint_environment};
 use crate::model::{Domain, Files};
 use crate::{load, model};
+use longstep_core::domain::ForeignDomain;
 use sample::Sampler;
 use wording::PredicateText;
 use words::Words;
@@ -96,28 +97,27 @@ pub fn from_any_pddl(
     domain: SourceText<'_>,
     problem: Option<SourceText<'_>>,
 ) -> Result<NewDomain, Diagnostics> {
-    let bare = longstep_core::domain::from_pddl(domain.file, domain.text)?;
-    let (pddl, notes) = longstep_core::domain::adapted(domain.file, domain.text)
-        .unwrap_or_else(|| (domain.text.to_owned(), Vec::new()));
+    let problem_text = problem.map(|problem| problem.text);
+    let own = longstep_core::domain::read_foreign(domain.file, domain.text, problem_text)?;
     let blueprint = Blueprint {
         name: model::plain_name(name),
-        about: format!("The PDDL domain {}.", bare.pddl_name),
-        pddl,
+        about: format!("The PDDL domain {}.", own.domain.pddl_name),
+        pddl: own.rewritten.clone().unwrap_or_else(|| domain.text.to_owned()),
         ..Blueprint::default()
     };
     if let Some(problem) = problem {
-        let mut new = complete(&blueprint, domain.file, problem, false)?;
-        new.notes.extend(notes);
+        let mut new = complete(&blueprint, &own, domain.file, problem, false)?;
+        new.notes.extend(own.notes);
         return Ok(new);
     }
-    let made_up = problem::write(&bare);
+    let made_up = problem::write(&own.domain);
     let source = SourceText {
         file: "the made-up problem",
         text: &made_up.text,
     };
-    let mut new = complete(&blueprint, domain.file, source, true)?;
+    let mut new = complete(&blueprint, &own, domain.file, source, true)?;
     let note = made_up.note(domain.file);
-    new.notes.extend(notes);
+    new.notes.extend(own.notes);
     new.notes
         .extend(note.map(|note| note.hint("give a problem file with --problem")));
     Ok(new)
@@ -134,7 +134,8 @@ pub fn from_answers(answers: &Answers) -> Result<NewDomain, Diagnostics> {
         file: "the answers",
         text: &problem.text,
     };
-    let mut new = complete(&blueprint, "the answers", source, false)?;
+    let own = longstep_core::domain::read_foreign("the answers", &blueprint.pddl, None)?;
+    let mut new = complete(&blueprint, &own, "the answers", source, false)?;
     new.notes.extend(problem.note("the answers"));
     for note in new.notes.iter_mut().filter(|note| note.position.is_some()) {
         // The answers have no PDDL; the new folder has.
@@ -149,27 +150,28 @@ const NO_GOAL: &str = "no goal of the domain can be reached in the example world
 /// Makes all files from a blueprint and an example problem.
 fn complete(
     blueprint: &Blueprint,
+    own: &ForeignDomain,
     pddl_file: &str,
     problem: SourceText<'_>,
     invented: bool,
 ) -> Result<NewDomain, Diagnostics> {
-    let bare = longstep_core::domain::from_pddl(pddl_file, &blueprint.pddl)?;
+    let bare = &own.domain;
     if bare.actions.is_empty() {
         let finding = Diagnostic::whole(pddl_file, "the domain has no actions");
         return Err(Diagnostics(vec![finding.hint("add an `(:action ...)`")]));
     }
-    let words = Words::of(&bare, blueprint);
+    let words = Words::of(bare, blueprint);
     // The author's file that the environment is made from.
     let source = if invented { pddl_file } else { problem.file };
     let problem =
-        longstep_core::pddl::read_problem(&bare, problem.file, problem.text).map_err(|findings| match invented {
+        longstep_core::pddl::read_start(bare, problem.file, problem.text).map_err(|findings| match invented {
             true => of_author(findings, pddl_file),
             false => findings,
         })?;
-    let lists = example_world::lists(&bare, blueprint, &problem.world);
+    let lists = example_world::lists(bare, blueprint, &problem.world);
     let mut files = vec![
         ("domain.pddl".to_owned(), blueprint.pddl.clone()),
-        ("domain.toml".to_owned(), words::write(blueprint, &bare, &words, lists)),
+        ("domain.toml".to_owned(), words::write(blueprint, bare, &words, lists)),
         ("prompt/goal.md".to_owned(), example::TASK.to_owned()),
         ("prompt/examples.toml".to_owned(), String::new()),
     ];
@@ -208,13 +210,13 @@ fn complete(
     let shown = Files::from_texts("", files.iter().cloned());
     let mut findings = lint(&domain, &shown);
     findings.extend(lint_environment(&world, &shown, "environment.json", &json));
-    let positions = longstep_core::domain::declaration_positions(&blueprint.pddl);
     let mut notes: Vec<Diagnostic> = words
         .renamed
         .iter()
-        .map(|own| own.note(pddl_file, &positions))
+        .map(|renamed| renamed.note(pddl_file, &own.positions))
         .collect();
     let has_examples = without_examples.is_none();
+    notes.extend(problem.notes);
     notes.extend(without_examples);
     if has_examples && sampler.is_exhausted() {
         notes.push(Diagnostic::whole(

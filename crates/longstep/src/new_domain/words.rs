@@ -10,7 +10,7 @@ use super::wording::{self, PredicateText, capitalized, identifier};
 use crate::call::{is_goal_keyword, is_script_keyword};
 use crate::diagnostic::Diagnostic;
 use crate::model::{ActionId, Atom, Condition, Parameter, Predicate, Term, TypeId};
-use longstep_core::model::Domain;
+use longstep_core::model::{DerivedPredicate, Domain, PredicateId};
 
 /// The words of a domain: one entry for each predicate, function and action, in the order of the PDDL file.
 pub(super) struct Words {
@@ -171,7 +171,10 @@ fn goals(domain: &Domain) -> Vec<NewGoal<'_>> {
             });
             touching.map(|(index, _)| index)
         };
-        let by: Vec<usize> = touches(true).collect();
+        let by: Vec<usize> = match domain.derived.iter().find(|own| own.predicate.index() == index) {
+            Some(derived) => bringing(domain, derived),
+            None => touches(true).collect(),
+        };
         if !by.is_empty() {
             goals.push(NewGoal {
                 index,
@@ -192,6 +195,14 @@ fn goals(domain: &Domain) -> Vec<NewGoal<'_>> {
         }
     }
     goals
+}
+
+/// Returns the actions that change what a derived predicate is made from, at most three.
+fn bringing(domain: &Domain, derived: &DerivedPredicate) -> Vec<usize> {
+    let parts: Vec<PredicateId> = derived.condition.atoms().map(|(atom, _)| atom.predicate).collect();
+    let actions = domain.actions.iter().enumerate();
+    let touching = actions.filter(|(_, action)| action.effects.iter().any(|own| parts.contains(&own.atom.predicate)));
+    touching.map(|(index, _)| index).take(3).collect()
 }
 
 /// Returns the condition on the arguments of a goal: different ones, of the kinds that the actions ask for with facts
@@ -282,7 +293,10 @@ fn write_all(
         text.push('\n');
     }
     text.push_str("# How an environment writes a fact under the entry of an entity, which is ?self.\n");
-    for (predicate, (word, sentence)) in domain.predicates.iter().zip(&words.predicates) {
+    let is_derived = |index: usize| domain.derived.iter().any(|own| own.predicate.index() == index);
+    let stated = domain.predicates.iter().zip(&words.predicates).enumerate();
+    // What is derived follows from other facts.
+    for (_, (predicate, (word, sentence))) in stated.filter(|(index, _)| !is_derived(*index)) {
         let Some((_, others)) = predicate.parameters.split_first() else {
             continue;
         };

@@ -39,11 +39,16 @@ impl Reader<'_> {
             }
             ("forall" | "exists", [variables, inner]) => {
                 let outer = scope.len();
-                for variable in self.variables(variables.list().unwrap_or_default(), &names.types) {
-                    scope.push((variable.name, variable.kind));
-                }
+                let (variables, guards) = self.guarded(variables.list().unwrap_or_default(), &names.types, outer);
+                scope.extend(variables.into_iter().map(|own| (own.name, own.kind)));
                 let quantified: Vec<TypeId> = scope[outer..].iter().map(|(_, kind)| *kind).collect();
-                let inner = self.condition(inner, scope, names);
+                let mut inner = self.condition(inner, scope, names);
+                if !guards.is_empty() {
+                    inner = match head.word() {
+                        Some("forall") => Condition::Or(vec![Condition::And(guards).negated(), inner]),
+                        _ => Condition::And(guards.into_iter().chain([inner]).collect()),
+                    };
+                }
                 scope.truncate(outer);
                 quantified
                     .into_iter()
@@ -79,11 +84,13 @@ impl Reader<'_> {
                 Condition::TRUE
             }
             _ => match self.atom(item, scope, names) {
-                Some(atom) => Condition::Atom {
-                    atom,
-                    holds: true,
-                    at: When::Now,
-                },
+                Some(atom) => self
+                    .defined(item, &atom, scope, names)
+                    .unwrap_or(Condition::Atom {
+                        atom,
+                        holds: true,
+                        at: When::Now,
+                    }),
                 None => Condition::TRUE,
             },
         }
@@ -127,15 +134,19 @@ impl Reader<'_> {
             }
             ("forall", [variables, inner]) => {
                 let (outer, quantified) = (scope.len(), forall.len());
-                for variable in self.variables(variables.list().unwrap_or_default(), &names.types) {
+                let (variables, guards) = self.guarded(variables.list().unwrap_or_default(), &names.types, outer);
+                for variable in variables {
                     forall.push((scope.len(), variable.kind));
                     scope.push((variable.name, variable.kind));
                 }
                 // Slots of an enclosing `when` move behind the variables of the effect.
                 let own = scope.len() - outer;
-                let when = when
+                let mut when = when
                     .clone()
                     .with_slots(&|slot| if slot < outer { slot } else { slot + own });
+                if !guards.is_empty() {
+                    when = Condition::And(guards.into_iter().chain([when]).collect());
+                }
                 self.effect(inner, scope, forall, &when, names, effects);
                 scope.truncate(outer);
                 forall.truncate(quantified);
@@ -149,7 +160,7 @@ impl Reader<'_> {
                 self.effect(inner, scope, forall, &both, names, effects);
             }
             ("not", [inner]) => {
-                let atom = self.atom(inner, scope, names);
+                let atom = self.changed(inner, scope, names);
                 effects.facts.extend(atom.map(|atom| fact(atom, false)));
             }
             ("forall" | "when" | "not", _) => {
@@ -162,10 +173,22 @@ impl Reader<'_> {
                 }
             }
             _ => {
-                let atom = self.atom(item, scope, names);
+                let atom = self.changed(item, scope, names);
                 effects.facts.extend(atom.map(|atom| fact(atom, true)));
             }
         }
+    }
+
+    /// Parses a fact that an effect or an initial state makes true or false.
+    pub(crate) fn changed(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<Atom> {
+        let atom = self.atom(item, scope, names)?;
+        if names.derived.iter().any(|own| own.predicate == atom.predicate) {
+            let name = &names.predicates[atom.predicate.index()].name;
+            let message = format!("`{name}` is derived, so it follows from other facts and nothing else can set it");
+            self.report_with(item.position, message, "leave it out here, or remove its `(:derived ...)`");
+            return None;
+        }
+        Some(atom)
     }
 
     pub(crate) fn atom(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<Atom> {

@@ -26,15 +26,14 @@ pub(super) fn adapt(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<
         "durative actions are read as steps one after another: conditions over all and at the end hold before a step"
             .to_owned();
     let is_costly = |own: &Expression| mentions(own, "total-cost") || own.tail_of(":action").is_some();
-    let durations: Option<Vec<Expression>> = sections
-        .iter()
-        .filter_map(|own| own.tail_of(":durative-action"))
-        .map(|items| duration(items).filter(|own| own.word().is_some_and(|own| own.parse::<f64>().is_ok())))
-        .collect();
-    let costs = durations.is_some() && !sections.iter().any(is_costly);
+    let mut changed = Vec::new();
+    sections.iter().for_each(|own| changed_numbers(own, &mut changed));
+    let durations = sections.iter().filter_map(|own| own.tail_of(":durative-action"));
+    let mut durations = durations.map(|items| duration(items).is_some_and(|own| is_fixed(&own, &changed)));
+    let costs = durations.all(|is_fixed| is_fixed) && !sections.iter().any(is_costly);
     message.push_str(match costs {
         true => "; their durations are costs",
-        false => "; durations are left out, since not all are constants, or costs are there already",
+        false => "; durations are left out as costs, since some change or have quotients, or costs are there already",
     });
     notes.push(Diagnostic::at(file, first.position, message));
     for section in sections.iter_mut() {
@@ -71,18 +70,45 @@ fn field<'a>(items: &'a [Expression], key: &str) -> Option<&'a Expression> {
     items.get(place + 1)
 }
 
-/// The shortest duration.
-fn duration(items: &[Expression]) -> Option<Expression> {
-    fn least(constraint: &Expression) -> Option<Expression> {
-        let parts = constraint.list()?;
-        match parts.first()?.word()? {
-            "and" => parts[1..].iter().find_map(least),
-            "at" => least(parts.get(2)?),
-            "=" | ">=" | ">" if parts.get(1)?.word() == Some("?duration") => parts.get(2).cloned(),
-            _ => None,
-        }
+/// Collects the numbers that effects change.
+fn changed_numbers<'e>(expression: &'e Expression, changed: &mut Vec<&'e str>) {
+    let Some(items) = expression.list() else { return };
+    let words: Vec<Option<&str>> = items.iter().map(Expression::word).collect();
+    if let ([Some("increase" | "decrease" | "assign" | "scale-up" | "scale-down"), _, _], [_, fluent, _]) = (&words[..], items) {
+        let name = fluent.word().or_else(|| fluent.list()?.first()?.word());
+        changed.extend(name);
     }
-    least(field(items, ":duration")?)
+    items.iter().for_each(|item| changed_numbers(item, changed));
+}
+
+/// Returns true for a duration that may be a cost: sums and products of numbers that no action changes. Quotients are rounded,
+/// and costs are added up exactly.
+fn is_fixed(duration: &Expression, changed: &[&str]) -> bool {
+    let Some((head, rest)) = duration.list().and_then(<[_]>::split_first) else {
+        return duration.word().is_some_and(|own| own.parse::<f64>().is_ok_and(|own| own >= 0.0));
+    };
+    match head.word() {
+        Some("+" | "*") => rest.iter().all(|part| is_fixed(part, changed)),
+        Some("-" | "/") | None => false,
+        Some(name) => !changed.contains(&name),
+    }
+}
+
+/// The shortest duration; the longest if it is only limited from above.
+fn duration(items: &[Expression]) -> Option<Expression> {
+    let constraint = field(items, ":duration")?;
+    bound(constraint, &["=", ">=", ">"]).or_else(|| bound(constraint, &["<=", "<"]))
+}
+
+/// Returns the side of the first comparison of `?duration` by one of the symbols.
+fn bound(constraint: &Expression, symbols: &[&str]) -> Option<Expression> {
+    let parts = constraint.list()?;
+    match parts.first()?.word()? {
+        "and" => parts[1..].iter().find_map(|part| bound(part, symbols)),
+        "at" => bound(parts.get(2)?, symbols),
+        symbol if symbols.contains(&symbol) && parts.get(1)?.word() == Some("?duration") => parts.get(2).cloned(),
+        _ => None,
+    }
 }
 
 fn action(items: &[Expression], position: Position, costs: bool) -> Expression {
@@ -98,7 +124,7 @@ fn action(items: &[Expression], position: Position, costs: bool) -> Expression {
     conditions.extend(timed(":precondition"));
     let effects = timed(":effect");
     let brought: Vec<&Expression> = of(&effects, Time::Start).collect();
-    let is_brought = |condition: &Expression| brought.iter().any(|own| same(own, condition));
+    let is_brought = |condition: &Expression| brought.iter().any(|own| own.is_same(condition));
     let needed = conditions
         .iter()
         .filter(|(time, condition)| *time == Time::Start || !is_brought(condition))
@@ -109,7 +135,7 @@ fn action(items: &[Expression], position: Position, costs: bool) -> Expression {
         .filter(|(time, _)| *time != Time::Start)
         .map(|(_, own)| own)
         .collect();
-    let is_overwritten = |own: &Expression| last.iter().any(|other| same(atom(own), atom(other)) && is_literal(own));
+    let is_overwritten = |own: &Expression| last.iter().any(|other| atom(own).is_same(atom(other)) && is_literal(own));
     let first = brought
         .iter()
         .filter(|own| !is_overwritten(own))
@@ -209,17 +235,6 @@ fn is_literal(effect: &Expression) -> bool {
         head,
         Some("when" | "forall" | "increase" | "decrease" | "assign" | "scale-up" | "scale-down") | None
     )
-}
-
-/// Returns true if two expressions are equal, wherever they stand.
-fn same(one: &Expression, other: &Expression) -> bool {
-    match (&one.kind, &other.kind) {
-        (ExpressionKind::Word(one), ExpressionKind::Word(other)) => one == other,
-        (ExpressionKind::List(one), ExpressionKind::List(other)) => {
-            one.len() == other.len() && one.iter().zip(other).all(|(one, other)| same(one, other))
-        }
-        _ => false,
-    }
 }
 
 fn substitute(expression: &mut Expression, duration: &Expression) {

@@ -2,8 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::REQUIREMENTS;
-use super::durative;
+use super::{REQUIREMENTS, TOTAL_COST, declarations, durative};
 use crate::diagnostic::{Diagnostic, Position};
 use crate::domain::sexpr::{self, Expression, ExpressionKind};
 
@@ -12,12 +11,15 @@ pub(crate) struct Adapted {
     pub(crate) expressions: Vec<Expression>,
     /// The rewritten and the omitted parts.
     pub(crate) notes: Vec<Diagnostic>,
+    /// True if the expressions are not those of the text.
+    pub(crate) is_rewritten: bool,
 }
 
-/// Reads a domain file of any origin.
-pub(crate) fn read(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
+/// Reads a domain file of any origin, and its problem if that is known.
+pub(crate) fn read(file: &str, text: &str, problem: Option<&Expression>) -> Result<Adapted, Diagnostic> {
     let mut notes = Vec::new();
-    let mut expressions = parsed(file, text, &mut notes)?;
+    let (mut expressions, mut is_rewritten) = parsed(file, text, &mut notes)?;
+    let as_parsed = expressions.clone();
     if expressions.len() > 1
         && expressions.iter().any(|own| is_of(own, "domain"))
         && expressions.iter().any(|own| is_of(own, "problem"))
@@ -30,28 +32,53 @@ pub(crate) fn read(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
         expressions.retain(|own| !is_of(own, "problem"));
     }
     if let Some(define) = expressions.first_mut() {
+        if let Some(problem) = problem {
+            declare_constants(file, define, problem, &mut notes);
+        }
         adapt(file, define, &mut notes);
     }
-    Ok(Adapted { expressions, notes })
+    is_rewritten |= expressions != as_parsed;
+    Ok(Adapted {
+        expressions,
+        notes,
+        is_rewritten,
+    })
 }
 
 /// Reads a problem file of any origin.
 pub(crate) fn read_problem(file: &str, text: &str) -> Result<Adapted, Diagnostic> {
     let mut notes = Vec::new();
-    let mut expressions = parsed(file, text, &mut notes)?;
+    let (mut expressions, is_rewritten) = parsed(file, text, &mut notes)?;
     if expressions.iter().any(|own| is_of(own, "problem")) {
         expressions.retain(|own| !is_of(own, "domain"));
     }
-    Ok(Adapted { expressions, notes })
+    if let Some(ExpressionKind::List(sections)) = expressions.first_mut().map(|define| &mut define.kind) {
+        let mut known = indexmap::IndexMap::new();
+        for section in sections.iter_mut().filter(|section| section.tail_of(":objects").is_some()) {
+            let ExpressionKind::List(items) = &mut section.kind else {
+                continue;
+            };
+            *items = declarations::distinct(file, std::mem::take(items), &mut known, &mut notes);
+        }
+    }
+    Ok(Adapted {
+        expressions,
+        notes,
+        is_rewritten,
+    })
 }
 
 /// Declares the objects of a problem that the actions of a domain name and that it does not declare as constants.
-pub(crate) fn declare_constants(define: &mut Expression, problem: &Expression) {
+fn declare_constants(file: &str, define: &mut Expression, problem: &Expression, notes: &mut Vec<Diagnostic>) {
     let (Some(sections), Some(of_problem)) = (define.tail_of("define"), problem.tail_of("define")) else {
         return;
     };
     let mut used = FxHashSet::default();
-    for section in sections.iter().filter(|section| section.tail_of(":action").is_some()) {
+    let is_behaviour = |section: &&Expression| {
+        let head = section.list().and_then(|items| items.first()?.word());
+        matches!(head, Some(":action" | ":durative-action" | ":derived"))
+    };
+    for section in sections.iter().filter(is_behaviour) {
         words(section, &mut used);
     }
     let declared = sections
@@ -81,6 +108,8 @@ pub(crate) fn declare_constants(define: &mut Expression, problem: &Expression) {
     }
     if items.len() > 1 {
         let position = define.position;
+        let message = "objects of the problem that the actions name are read as constants of the domain";
+        notes.push(note(file, &items[1], message));
         if let ExpressionKind::List(sections) = &mut define.kind {
             sections.push(Expression::of_items(items, position));
         }
@@ -98,11 +127,24 @@ fn words<'a>(expression: &'a Expression, all: &mut FxHashSet<&'a str>) {
     }
 }
 
-/// Reads expressions in a fence, with glued words, or without the last closing parenthesis.
-fn parsed(file: &str, text: &str, notes: &mut Vec<Diagnostic>) -> Result<Vec<Expression>, Diagnostic> {
-    let mut expressions = closed(file, &without_fence(text), notes)?;
+/// Reads expressions in a fence, with glued words, or with a wrong number of parentheses at the end. The second result is true if
+/// they are not those of the text.
+fn parsed(file: &str, text: &str, notes: &mut Vec<Diagnostic>) -> Result<(Vec<Expression>, bool), Diagnostic> {
+    let own = without_fence(text);
+    let notes_before = notes.len();
+    let mut expressions = closed(file, &own, notes)?;
+    if expressions.iter().any(|own| own.tail_of("define").is_some()) {
+        let words = expressions.iter().filter_map(|own| Some((own, own.word()?)));
+        if let Some((own, word)) = words.into_iter().next() {
+            let message = format!("`{word}` is outside of the definition and left out");
+            notes.push(note(file, own, message));
+        }
+        expressions.retain(|own| own.word().is_none());
+    }
+    let before = expressions.clone();
     expressions.iter_mut().for_each(split_words);
-    Ok(expressions)
+    let is_rewritten = own != text || notes.len() > notes_before || before != expressions;
+    Ok((expressions, is_rewritten))
 }
 
 /// True for the definition of a `domain` or a `problem`.
@@ -134,19 +176,33 @@ fn without_fence(text: &str) -> std::borrow::Cow<'_, str> {
     lines.collect::<Vec<_>>().join("\n").into()
 }
 
-/// Reads expressions; the last closing parenthesis may be missing.
+/// Parentheses at the end of a file that may be missing or too many.
+const LAST_PARENTHESES: usize = 3;
+
+/// Reads expressions; the last closing parentheses may be missing or too many.
 fn closed(file: &str, text: &str, notes: &mut Vec<Diagnostic>) -> Result<Vec<Expression>, Diagnostic> {
     let error = match sexpr::read(file, text) {
         Ok(expressions) => return Ok(expressions),
         Err(error) => error,
     };
-    match sexpr::read(file, &format!("{text}\n)")) {
-        Ok(expressions) if expressions.len() == 1 => {
-            notes.push(note(file, &expressions[0], "the last `)` is missing"));
-            Ok(expressions)
+    let mut shorter = text.trim_end();
+    for count in 1..=LAST_PARENTHESES {
+        let longer = format!("{text}\n{}", ")".repeat(count));
+        shorter = shorter.strip_suffix(')').unwrap_or(shorter).trim_end();
+        for (text, message) in [
+            (longer.as_str(), format!("{count} `)` at the end is missing")),
+            (shorter, format!("{count} `)` at the end closes nothing and is left out")),
+        ] {
+            match sexpr::read(file, text) {
+                Ok(expressions) if expressions.len() == 1 => {
+                    notes.push(note(file, &expressions[0], message));
+                    return Ok(expressions);
+                }
+                _ => {}
+            }
         }
-        _ => Err(error),
     }
+    Err(error)
 }
 
 /// Splits words that are glued together: `-block` in a typed list, `(dusty?c)`, `(=?a ?b)`.
@@ -198,6 +254,40 @@ fn adapt(file: &str, define: &mut Expression, notes: &mut Vec<Diagnostic>) {
         }
     }
     durative::adapt(file, sections, notes);
+    conditional_costs(file, sections, notes);
+    declarations::adapt(file, sections, notes);
+}
+
+/// Leaves out costs that depend on a condition: the cost of a step does not depend on facts.
+fn conditional_costs(file: &str, sections: &mut [Expression], notes: &mut Vec<Diagnostic>) {
+    let mut first = None;
+    for section in sections.iter_mut().filter(|section| section.tail_of(":action").is_some()) {
+        without_costs(section, false, &mut first);
+    }
+    if let Some(position) = first {
+        let message = "costs inside of `when` and `forall` are left out, so a plan may be dearer than the cheapest one";
+        notes.push(Diagnostic::at(file, position, message));
+    }
+}
+
+/// Removes the changes of `(total-cost)` that are inside of `when` or `forall`.
+fn without_costs(expression: &mut Expression, is_inside: bool, first: &mut Option<Position>) {
+    let is_inside = is_inside || expression.tail_of("when").is_some() || expression.tail_of("forall").is_some();
+    let ExpressionKind::List(items) = &mut expression.kind else {
+        return;
+    };
+    for item in items {
+        let is_cost = item
+            .tail_of("increase")
+            .and_then(|parts| parts.first()?.tail_of(TOTAL_COST))
+            .is_some_and(<[_]>::is_empty);
+        if is_inside && is_cost {
+            first.get_or_insert(item.position);
+            item.kind = ExpressionKind::List(vec![Expression::of_word("and", item.position)]);
+        } else {
+            without_costs(item, is_inside, first);
+        }
+    }
 }
 
 /// Leaves out requirements that nothing in this library asks for: what a file uses of them is read, or is an error at its place.
@@ -296,56 +386,4 @@ fn parent_of(items: &[Expression], name: &str) -> Option<(usize, Expression)> {
         }
     }
     None
-}
-
-/// Writes a domain that was rewritten.
-pub(crate) fn written(expressions: &[Expression]) -> String {
-    let mut text = String::new();
-    for define in expressions {
-        let Some(sections) = define.list() else { continue };
-        for (index, section) in sections.iter().enumerate() {
-            text.push_str(match index {
-                0 => "(",
-                1 => " ",
-                _ => "\n  ",
-            });
-            let is_action = section.tail_of(":action").is_some();
-            match section.list() {
-                Some(items) if is_action => {
-                    text.push('(');
-                    for (place, item) in items.iter().enumerate() {
-                        let is_key = place > 1 && place % 2 == 0;
-                        text.push_str(if place == 0 {
-                            ""
-                        } else if is_key {
-                            "\n    "
-                        } else {
-                            " "
-                        });
-                        write(item, &mut text);
-                    }
-                    text.push(')');
-                }
-                _ => write(section, &mut text),
-            }
-        }
-        text.push_str(")\n");
-    }
-    text
-}
-
-fn write(expression: &Expression, text: &mut String) {
-    match &expression.kind {
-        ExpressionKind::Word(word) => text.push_str(word),
-        ExpressionKind::List(items) => {
-            text.push('(');
-            for (index, item) in items.iter().enumerate() {
-                if index > 0 {
-                    text.push(' ');
-                }
-                write(item, text);
-            }
-            text.push(')');
-        }
-    }
 }

@@ -1,23 +1,26 @@
 //! The parser of `domain.pddl`: types, constants, predicates and actions, with all names resolved.
 
 mod conditions;
+mod declarations;
+mod derived;
 mod durative;
 pub(crate) mod foreign;
 mod numbers;
 mod types;
+pub(crate) mod written;
 
 use conditions::Effects;
 
 use super::sexpr::{self, Expression};
 use super::{ActionSchema, Condition, Predicate, TypeId, Types, applicability};
 use crate::diagnostic::{Diagnostic, Position, nearest};
-use crate::model::{Arithmetic, NumberTest};
+use crate::model::{Arithmetic, DerivedPredicate, NumberTest};
 
 /// The largest number of arguments of a fact; see [`crate::environment::Fact`].
 const ARITY_LIMIT: usize = 7;
 
 /// The supported requirements; files with others are rejected.
-const REQUIREMENTS: [&str; 11] = [
+const REQUIREMENTS: [&str; 12] = [
     ":strips",
     ":typing",
     ":negative-preconditions",
@@ -29,6 +32,7 @@ const REQUIREMENTS: [&str; 11] = [
     ":fluents",
     ":numeric-fluents",
     ":action-costs",
+    ":derived-predicates",
 ];
 
 /// The function whose increase is the cost of a step.
@@ -51,6 +55,8 @@ pub(crate) struct Semantics {
     pub(crate) types: Types,
     pub(crate) constants: Vec<(String, TypeId)>,
     pub(crate) predicates: Vec<Predicate>,
+    /// The derived predicates, each after those that it depends on.
+    pub(crate) derived: Vec<DerivedPredicate>,
     /// The numeric functions, without the cost of the plan.
     pub(crate) functions: Vec<Predicate>,
     /// True if `(total-cost)` is declared.
@@ -66,7 +72,7 @@ pub(crate) struct Semantics {
 pub(crate) fn read(file: &str, text: &str, dialect: Dialect, findings: &mut Vec<Diagnostic>) -> Semantics {
     let read = match dialect {
         Dialect::Longstep => sexpr::read(file, text),
-        Dialect::Standard => foreign::read(file, text).map(|own| own.expressions),
+        Dialect::Standard => foreign::read(file, text, None).map(|own| own.expressions),
     };
     match read {
         Ok(expressions) => read_expressions(file, &expressions, dialect, findings),
@@ -107,6 +113,7 @@ pub(crate) fn read_expressions(
         base: Position { line: 1, column: 1 },
         dialect,
         findings,
+        expanded: 0,
     };
     match sections.first().and_then(|s| s.tail_of("domain")) {
         Some([name]) if name.word().is_some() => {
@@ -121,6 +128,7 @@ pub(crate) fn read_expressions(
         ":constants",
         ":predicates",
         ":functions",
+        ":derived",
         ":action",
     ];
     for section in sections.iter().skip(1) {
@@ -163,6 +171,7 @@ pub(crate) fn read_expressions(
     for (_, items) in of(":functions") {
         reader.functions(items, &mut semantics);
     }
+    reader.derived(of(":derived"), &mut semantics);
     for (section, items) in of(":action") {
         reader.action(section, items, &mut semantics);
     }
@@ -179,6 +188,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) base: Position,
     pub(crate) dialect: Dialect,
     pub(crate) findings: &'a mut Vec<Diagnostic>,
+    /// The parts of the conditions that took the place of derived facts.
+    pub(crate) expanded: usize,
 }
 
 impl Reader<'_> {
@@ -196,6 +207,12 @@ impl Reader<'_> {
     pub(crate) fn report(&mut self, position: Position, message: impl Into<String>) {
         let position = self.place(position);
         self.findings.push(Diagnostic::at(self.file, position, message));
+    }
+
+    pub(crate) fn report_with(&mut self, position: Position, message: impl Into<String>, hint: impl Into<String>) {
+        let position = self.place(position);
+        self.findings
+            .push(Diagnostic::at(self.file, position, message).hint(hint));
     }
 
     fn report_unknown<'n>(
@@ -223,7 +240,7 @@ impl Reader<'_> {
         if semantics.actions.iter().any(|a| a.name == word) {
             return self.report(name.position, format!("the action `{word}` is declared twice"));
         }
-        let mut parameters = Vec::new();
+        let (mut parameters, mut guards) = (Vec::new(), Vec::new());
         let mut precondition = Condition::TRUE;
         let mut effects = Effects::default();
         // The other fields need the parameters, which may come after them.
@@ -232,7 +249,7 @@ impl Reader<'_> {
                 && key.word() == Some(":parameters")
             {
                 match value.list() {
-                    Some(list) => parameters = self.variables(list, &semantics.types),
+                    Some(list) => (parameters, guards) = self.guarded(list, &semantics.types, 0),
                     None => self.report(value.position, "expected `(?x - type ...)`"),
                 }
             }
@@ -262,6 +279,7 @@ impl Reader<'_> {
         let Effects { facts, numbers, cost } = effects;
         let mut required = applicability(&numbers, parameters.len());
         // A step whose cost is unknown is not applicable.
+        required.extend(guards);
         required.extend(
             cost.iter()
                 .filter(|cost| !matches!(cost, Arithmetic::Constant(_)))

@@ -8,6 +8,12 @@ use crate::model::{
     Application, Arithmetic, FunctionId, Number, NumberChangeKind, NumericEffect, NumericExpression, Operation, When,
 };
 
+/// Returns true for the name of a function without arguments that stands without parentheses, as PDDL allows.
+fn is_bare(item: &Expression, names: &Semantics) -> bool {
+    let is_own = |own: &Predicate| own.parameters.is_empty() && Some(own.name.as_str()) == item.word();
+    names.functions.iter().any(is_own)
+}
+
 impl Reader<'_> {
     /// Parses `(:functions ...)`: numeric functions, each optionally followed by `- number`.
     pub(super) fn functions(&mut self, items: &[Expression], semantics: &mut Semantics) {
@@ -34,11 +40,9 @@ impl Reader<'_> {
                 self.report(head.position, "expected a function's name");
                 continue;
             };
-            if name == TOTAL_COST {
+            // With arguments, it is a number like others.
+            if name == TOTAL_COST && parameters.is_empty() {
                 semantics.costs = true;
-                if !parameters.is_empty() {
-                    self.report(head.position, "`total-cost` has no arguments");
-                }
                 continue;
             }
             let taken = |own: &Predicate| own.name == name;
@@ -55,6 +59,9 @@ impl Reader<'_> {
 
     /// Parses a numeric expression; reports errors.
     pub(crate) fn number(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<NumericExpression> {
+        if is_bare(item, names) {
+            return self.application(item, scope, names).map(Arithmetic::Value);
+        }
         let Some(list) = item.list() else {
             // Planners write numbers with more places than are kept.
             let parse = match self.dialect {
@@ -102,8 +109,13 @@ impl Reader<'_> {
 
     /// Parses `(function argument ...)`; reports errors.
     pub(crate) fn application(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<Application> {
-        let Some((head, arguments)) = item.list().and_then(<[_]>::split_first) else {
-            self.report(item.position, "expected `(function argument ...)`");
+        let bare = is_bare(item, names).then_some((item, &[][..]));
+        let Some((head, arguments)) = bare.or_else(|| item.list().and_then(<[_]>::split_first)) else {
+            self.report_with(
+                item.position,
+                "expected `(function argument ...)`",
+                "write a number that the domain declares in `(:functions ...)`",
+            );
             return None;
         };
         let name = head.word().unwrap_or_default();
@@ -131,6 +143,7 @@ impl Reader<'_> {
     /// Returns true if the text is a number or begins like a numeric expression.
     pub(super) fn is_numeric(item: &Expression, names: &Semantics) -> bool {
         match item.list() {
+            None if is_bare(item, names) => true,
             None => item
                 .word()
                 .is_some_and(|word| Number::parse(word).is_some() && !word.starts_with('?')),

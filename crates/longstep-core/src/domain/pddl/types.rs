@@ -1,17 +1,29 @@
 //! Types, variables and the declarations of predicates.
 
+use super::derived::is_of;
 use super::{ARITY_LIMIT, Dialect, Reader, Semantics};
 use crate::diagnostic::{Diagnostic, Position};
 use crate::domain::sexpr::Expression;
-use crate::domain::{Parameter, Predicate, TypeId, Types};
+use crate::domain::{Condition, Parameter, Predicate, Term, TypeId, Types};
 
 /// The treatment of `(either ...)`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Union {
-    /// The parent must have no other types: actions and objects must not get more of them.
+    /// The parent must have no other types: objects must not get more of them.
     Exact,
+    /// The parent may have others, which a condition excludes: variables of actions and quantifiers.
+    Guarded,
     /// The parent may have others: a predicate or a function without facts about them is false or unknown for them.
     Wider,
+}
+
+/// An entry of a typed list.
+struct Typed {
+    name: String,
+    kind: TypeId,
+    /// The types that it may have, if its type admits others.
+    members: Vec<TypeId>,
+    position: Position,
 }
 
 impl Reader<'_> {
@@ -55,11 +67,12 @@ impl Reader<'_> {
 
     /// Parses `a b - kind c` into names with types; names without a type are of type `object`.
     pub(crate) fn typed_list(&mut self, items: &[Expression], types: &Types) -> Vec<(String, TypeId, Position)> {
-        self.typed(items, types, Union::Exact)
+        let list = self.typed(items, types, Union::Exact);
+        list.into_iter().map(|own| (own.name, own.kind, own.position)).collect()
     }
 
-    fn typed(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<(String, TypeId, Position)> {
-        let mut list: Vec<(String, TypeId, Position)> = Vec::new();
+    fn typed(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<Typed> {
+        let mut list: Vec<Typed> = Vec::new();
         let mut untyped = 0;
         let mut words = items.iter();
         while let Some(item) = words.next() {
@@ -69,27 +82,36 @@ impl Reader<'_> {
                         self.report(item.position, "`-` needs a type after it");
                         break;
                     };
-                    if let Some(id) = self.type_of(kind, types, union) {
-                        list[untyped..].iter_mut().for_each(|entry| entry.1 = id);
+                    if let Some((kind, members)) = self.type_of(kind, types, union) {
+                        for entry in &mut list[untyped..] {
+                            entry.kind = kind;
+                            entry.members.clone_from(&members);
+                        }
                     }
                     untyped = list.len();
                 }
-                Some(name) => list.push((name.to_owned(), TypeId::OBJECT, item.position)),
+                Some(name) => list.push(Typed {
+                    name: name.to_owned(),
+                    kind: TypeId::OBJECT,
+                    members: Vec::new(),
+                    position: item.position,
+                }),
                 None => self.report(item.position, "expected a name"),
             }
         }
         list
     }
 
-    /// Parses a type's name, or `(either ...)` as the common parent of its types. Reports errors.
-    fn type_of(&mut self, item: &Expression, types: &Types, union: Union) -> Option<TypeId> {
+    /// Parses a type's name, or `(either ...)` as the common parent of its types, with these types if it admits others.
+    /// Reports errors.
+    fn type_of(&mut self, item: &Expression, types: &Types, union: Union) -> Option<(TypeId, Vec<TypeId>)> {
         let Some(members) = item.tail_of("either").filter(|members| !members.is_empty()) else {
             let name = item.word().unwrap_or("?");
             let found = types.find(name);
             if found.is_none() {
                 self.report_unknown(item.position, "type", name, types.names());
             }
-            return found;
+            return found.map(|kind| (kind, Vec::new()));
         };
         let mut kinds = Vec::with_capacity(members.len());
         for member in members {
@@ -112,41 +134,70 @@ impl Reader<'_> {
         match others.next() {
             Some(other) if union == Union::Exact => {
                 let message = format!(
-                    "`(either ...)` is supported here only for all the types of a parent; `{}` would also admit `{}`",
+                    "an object has one type, and `(either ...)` names some of a parent's; `{}` would also admit `{}`",
                     types.name(parent),
                     types.name(other)
                 );
                 let position = self.place(item.position);
                 self.findings.push(
                     Diagnostic::at(self.file, position, message)
-                        .hint("declare a type with these types as its children, and use it here"),
+                        .hint("write the one type that the object has"),
                 );
                 None
             }
-            _ => Some(parent),
+            Some(_) if union == Union::Guarded => Some((parent, kinds)),
+            _ => Some((parent, Vec::new())),
         }
     }
 
     /// Parses variables like [`Self::typed_list`]; requires and removes the leading `?`.
     pub(crate) fn variables(&mut self, items: &[Expression], types: &Types) -> Vec<Parameter> {
-        self.variables_of(items, types, Union::Exact)
+        self.variables_of(items, types, Union::Exact).0
     }
 
-    fn variables_of(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<Parameter> {
+    /// Parses the variables of an action or a quantifier, and the condition that those with `(either ...)` have one of its
+    /// types. `outer` is the number of variables around them.
+    pub(super) fn guarded(&mut self, items: &[Expression], types: &Types, outer: usize) -> (Vec<Parameter>, Vec<Condition>) {
+        let (variables, members) = self.variables_of(items, types, Union::Guarded);
+        let free = outer + variables.len();
+        let is_member = |(index, kinds): (usize, Vec<TypeId>)| {
+            let one = kinds.into_iter().map(|kind| is_of(Term::Variable(outer + index), kind, free));
+            Condition::Or(one.collect())
+        };
+        let unions = members.into_iter().enumerate().filter(|(_, kinds)| !kinds.is_empty());
+        (variables, unions.map(is_member).collect())
+    }
+
+    fn variables_of(
+        &mut self,
+        items: &[Expression],
+        types: &Types,
+        union: Union,
+    ) -> (Vec<Parameter>, Vec<Vec<TypeId>>) {
         let mut variables: Vec<Parameter> = Vec::new();
-        for (name, kind, position) in self.typed(items, types, union) {
+        let mut unions = Vec::new();
+        for Typed {
+            name,
+            kind,
+            members,
+            position,
+        } in self.typed(items, types, union)
+        {
             match name.strip_prefix('?') {
                 Some(name) if variables.iter().any(|known| known.name == name) => {
                     self.report(position, format!("`?{name}` is declared twice"));
                 }
-                Some(name) => variables.push(Parameter {
-                    name: name.to_owned(),
-                    kind,
-                }),
+                Some(name) => {
+                    variables.push(Parameter {
+                        name: name.to_owned(),
+                        kind,
+                    });
+                    unions.push(members);
+                }
                 None => self.report(position, format!("`{name}` must be a variable, as in `?{name}`")),
             }
         }
-        variables
+        (variables, unions)
     }
 
     pub(super) fn predicate(&mut self, item: &Expression, semantics: &mut Semantics) {
@@ -173,7 +224,7 @@ impl Reader<'_> {
         parameters: &[Expression],
         types: &Types,
     ) -> Option<Predicate> {
-        let parameters = self.variables_of(parameters, types, Union::Wider);
+        let parameters = self.variables_of(parameters, types, Union::Wider).0;
         if parameters.len() > ARITY_LIMIT {
             let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
             self.report(head.position, message);
