@@ -56,8 +56,9 @@ pub(crate) fn world_and_text(domain: &Domain, path: &Path) -> Result<(World, Str
     let text = read_text(path)?;
     let shown = path.display().to_string();
     let (environment, wrapped) = Environment::parse(&text).map_err(|error| {
-        Failure::unreadable(format!("{shown}: {error}"))
-            .hint("an environment is JSON with `assets`, `asset_states`, `objects` and `object_states`")
+        Failure::unreadable(format!("{shown}: {error}")).hint(
+            "an environment is JSON, or a Python literal, with `assets`, `asset_states`, `objects` and `object_states`",
+        )
     })?;
     let inside = if wrapped {
         json::Path::key("environment")

@@ -70,7 +70,7 @@ impl Violation {
             }
             Self::UnknownParameter { step, name, near: n } => {
                 let near = near(n);
-                format!("step {}: the call hides no parameter `{name}`{near}", step + 1)
+                format!("step {}: the call has no free parameter `{name}`{near}", step + 1)
             }
             Self::UnknownActor { name, near: n } => {
                 format!("a lane: the environment lists no `{name}`{}", near(n))

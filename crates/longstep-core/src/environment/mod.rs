@@ -15,9 +15,9 @@ mod value_tests;
 mod write;
 
 pub use crate::model::{
-    AssumptionSource, Bindings, Difference, Distinctions, Entity, EntityId, Environment, Fact, FactSet, Fluent, Moment,
-    Number, Prohibition, State, StepPattern, Voice, Words, World, differences, fact_text, fluent_text, holds,
-    subject_of,
+    AssumptionSource, Bindings, Difference, Distinctions, Entity, EntityId, Environment, EnvironmentError, Fact,
+    FactSet, Fluent, Moment, Number, Prohibition, State, StepPattern, Voice, Words, World, differences, fact_text,
+    fluent_text, holds, subject_of,
 };
 pub use claim::Claim;
 pub use observation::{Observation, ObservationError, Statements};

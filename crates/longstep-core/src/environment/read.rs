@@ -76,17 +76,13 @@ pub fn read(
 /// The first place where the text is not JSON in the environment's form; otherwise as for [`read()`].
 pub fn parse(domain: &Domain, file: &str, text: &str) -> Result<World, Diagnostics> {
     let (parsed, wrapped) = Environment::parse(text).map_err(|error| {
-        let (line, column) = (error.line(), error.column());
-        let full = error.to_string();
-        let message = full
-            .strip_suffix(&format!(" at line {line} column {column}"))
-            .unwrap_or(&full);
-        let hint = "an environment is JSON with `assets`, `asset_states`, `objects` and `object_states`";
-        let finding = match line {
-            0 => Diagnostic::whole(file, message),
-            _ => {
-                let (line, column) = (line as u32, column.max(1) as u32);
-                Diagnostic::at(file, Position { line, column }, message)
+        let hint =
+            "an environment is JSON, or a Python literal, with `assets`, `asset_states`, `objects` and `object_states`";
+        let finding = match error.position {
+            None => Diagnostic::whole(file, error.message),
+            Some(Position { line, column }) => {
+                let column = column.max(1);
+                Diagnostic::at(file, Position { line, column }, error.message)
             }
         };
         Diagnostics(vec![finding.hint(hint)])

@@ -20,6 +20,10 @@ pub struct Leniency {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum LeniencyKind {
+    /// A notation other than the paper's JSON and scripts.
+    Notation(&'static str),
+    /// Thoughts before the answer, which were not read.
+    Thoughts,
     /// A byte order mark, or whitespace that JSON does not allow.
     OddSpace,
     /// A Markdown code block around the plan.
@@ -66,7 +70,7 @@ pub enum LeniencyKind {
     MissingKey,
     /// A `null` value in place of an absent key.
     Null,
-    /// An extra level: the expected value stands under an additional key.
+    /// Extra levels: the expected value stands under additional keys.
     Wrapped,
     /// The fields of `task_cohesion` without the enclosing `task_cohesion`.
     Flattened,
@@ -78,6 +82,8 @@ impl Leniency {
         use LeniencyKind as Kind;
         let key = self.path.as_ref().map(ToString::to_string).unwrap_or_default();
         let what = match self.kind {
+            Kind::Notation(name) => format!("the plan was read as {name}"),
+            Kind::Thoughts => "the thoughts before the answer were ignored".to_owned(),
             Kind::OddSpace => "a byte order mark or unusual space was skipped".to_owned(),
             Kind::CodeFence => "the plan stands in a code block".to_owned(),
             Kind::Prose => "words around the plan were ignored".to_owned(),
@@ -101,7 +107,7 @@ impl Leniency {
             Kind::RepeatedKey => format!("`{key}` stands there again with the same value"),
             Kind::MissingKey => format!("`{key}` is missing and was taken as empty"),
             Kind::Null => format!("`{key}` is null and was taken as absent"),
-            Kind::Wrapped => format!("what was expected stands one level deeper, under `{key}`"),
+            Kind::Wrapped => format!("what was expected stands deeper, under `{key}`"),
             Kind::Flattened => "the fields of `task_cohesion` stand outside of it".to_owned(),
         };
         let Position { line, column } = self.position;
@@ -135,6 +141,14 @@ impl Notes {
 
     pub(crate) fn contain(&self, kind: LeniencyKind) -> bool {
         self.0.iter().any(|note| note.kind == kind)
+    }
+
+    /// Iterates over the notations that were noted.
+    pub(crate) fn notations(&self) -> impl Iterator<Item = &'static str> {
+        self.0.iter().filter_map(|note| match note.kind {
+            LeniencyKind::Notation(name) => Some(name),
+            _ => None,
+        })
     }
 
     pub(crate) fn append(&mut self, mut other: Self) {

@@ -14,6 +14,7 @@ pub(crate) use leniency::Notes;
 pub use leniency::{Leniency, LeniencyKind};
 pub(crate) use parser::{FENCE, Reason};
 
+use crate::json::Path;
 use LeniencyKind as Kind;
 use parser::{Parsed, Parser, malformed};
 use quoted::is_quote;
@@ -68,6 +69,14 @@ pub(crate) struct Literal {
     pub(crate) notes: Notes,
 }
 
+impl Literal {
+    /// Creates a literal of a value that another reader read.
+    pub(crate) fn of_node(node: ValueNode, notes: Notes) -> Self {
+        let end = node.at;
+        Self { node, end, notes }
+    }
+}
+
 /// A parse failure.
 #[derive(Debug)]
 pub(crate) struct Fault {
@@ -78,15 +87,9 @@ pub(crate) struct Fault {
     pub(crate) of_plan: bool,
 }
 
-/// Parses the object whose opening brace is at byte `start`.
-pub(crate) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
-    let mut parser = Parser {
-        text,
-        at: start,
-        depth: 0,
-        of_plan: false,
-        notes: Notes::default(),
-    };
+/// Parses the object or list whose opening bracket is at byte `start`.
+pub(crate) fn bracketed(text: &str, start: usize) -> Result<Literal, Fault> {
+    let mut parser = Parser::new(text, start);
     match parser.value() {
         Ok(node) => Ok(Literal {
             node,
@@ -99,6 +102,56 @@ pub(crate) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
             of_plan: parser.of_plan,
         }),
     }
+}
+
+/// Parses a text that is one value, with comments and an assignment to a name around it.
+pub(crate) fn whole(text: &str) -> Result<Literal, Fault> {
+    let mut comments = Parser::new(text, 0);
+    // An empty text fails below.
+    let _ = comments.peek();
+    let begin = comments.rest();
+    let name = begin.trim_start_matches(|c: char| c.is_alphanumeric() || c == '_');
+    let assigned = name.trim_start().strip_prefix('=').filter(|_| name.len() < begin.len());
+    let literal = bracketed(text, text.len() - assigned.unwrap_or(begin).len())?;
+    let mut behind = Parser::new(text, literal.end);
+    // Behind the value, the end of the text is no mistake.
+    if behind.peek().is_ok() || behind.at < text.len() {
+        return Err(Fault {
+            at: behind.at,
+            reason: Reason::Malformed("expected the end of the text".to_owned()),
+            of_plan: false,
+        });
+    }
+    Ok(literal)
+}
+
+/// Converts a value to JSON.
+///
+/// # Errors
+///
+/// The path of a key that stands there twice.
+pub(crate) fn json(node: &ValueNode, path: &Path) -> Result<serde_json::Value, Path> {
+    Ok(match &node.value {
+        Value::Null => serde_json::Value::Null,
+        Value::Bool(value) => serde_json::Value::Bool(*value),
+        Value::Number(digits) => serde_json::from_str(digits).unwrap_or(serde_json::Value::Null),
+        Value::Text(text) => serde_json::Value::String(text.clone()),
+        Value::List(items) => {
+            let items = items.iter().enumerate();
+            let items = items.map(|(index, item)| json(item, &path.index(index)));
+            serde_json::Value::Array(items.collect::<Result<_, _>>()?)
+        }
+        Value::Object(entries) => {
+            let mut object = serde_json::Map::new();
+            for Member { key, node, .. } in entries {
+                let path = path.push(&shorten(key));
+                if object.insert(key.clone(), json(node, &path)?).is_some() {
+                    return Err(path);
+                }
+            }
+            serde_json::Value::Object(object)
+        }
+    })
 }
 
 /// Keys that distinguish a plan from other objects in a reply.

@@ -31,6 +31,16 @@ pub(crate) fn malformed<T>(message: impl Into<String>) -> Parsed<T> {
 }
 
 impl<'t> Parser<'t> {
+    pub(crate) fn new(text: &'t str, at: usize) -> Self {
+        Self {
+            text,
+            at,
+            depth: 0,
+            of_plan: false,
+            notes: Notes::default(),
+        }
+    }
+
     pub(crate) fn rest(&self) -> &'t str {
         &self.text[self.at..]
     }

@@ -4,6 +4,11 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
+use crate::call::{Call, unquoted};
+use crate::diagnostic::Position;
+use crate::json::Path;
+use crate::literal::{self, Reason};
+
 /// An environment as its file writes it: the entities and the states of each.
 ///
 /// Reading and writing preserve the order of everything, and single states stay distinct from lists of one.
@@ -62,7 +67,58 @@ pub enum Words {
     Many(Vec<String>),
 }
 
+/// An environment inside `{"environment": ...}`.
+#[derive(Deserialize)]
+struct Wrapped {
+    environment: Environment,
+}
+
+/// A text that is no environment.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}{}", place(.position))]
+pub struct EnvironmentError {
+    /// The mistake.
+    pub message: String,
+    /// Its position, if it is known.
+    pub position: Option<Position>,
+}
+
+fn place(position: &Option<Position>) -> String {
+    position.map_or_else(String::new, |Position { line, column }| {
+        format!(" at line {line} column {column}")
+    })
+}
+
+impl EnvironmentError {
+    fn of_json(error: &serde_json::Error) -> Self {
+        let (line, column) = (error.line(), error.column());
+        let full = error.to_string();
+        let message = full.strip_suffix(&format!(" at line {line} column {column}"));
+        let number = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
+        Self {
+            message: message.unwrap_or(&full).to_owned(),
+            position: (line > 0).then(|| Position {
+                line: number(line),
+                column: number(column),
+            }),
+        }
+    }
+}
+
 impl Words {
+    /// Creates the states of a text: one, or several with commas between them, as in `on_something(<desk>), open()`.
+    pub(crate) fn of_text(text: String) -> Self {
+        let parts = calls_with_commas(&text);
+        match parts.len() > 1
+            && parts
+                .iter()
+                .all(|part| part.ends_with(')') && Call::parse(part).is_ok())
+        {
+            true => Self::Many(parts),
+            false => Self::One(text),
+        }
+    }
+
     /// Returns the words of either form.
     pub fn as_mut_slice(&mut self) -> &mut [String] {
         match self {
@@ -80,11 +136,29 @@ impl Words {
     }
 }
 
+/// Splits a text at the commas outside of parentheses.
+fn calls_with_commas(text: &str) -> Vec<String> {
+    let (mut parts, mut depth, mut start) = (Vec::new(), 0_usize, 0);
+    for (at, letter) in unquoted(text) {
+        match letter {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            ',' if depth == 0 => {
+                parts.push(text[start..at].trim().to_owned());
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(text[start..].trim().to_owned());
+    parts
+}
+
 impl<'de> Deserialize<'de> for Words {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = Value::deserialize(deserializer)?;
         match value {
-            Value::String(word) => Some(Self::One(word)),
+            Value::String(word) => Some(Self::of_text(word)),
             Value::Array(items) => items
                 .into_iter()
                 .map(|item| match item {
@@ -100,12 +174,18 @@ impl<'de> Deserialize<'de> for Words {
 }
 
 impl Environment {
-    /// Parses an environment, bare or wrapped in `{"environment": ...}`.
+    /// Parses an environment, bare or wrapped in `{"environment": ...}`, as JSON or as a Python literal with comments.
     ///
     /// # Errors
     ///
-    /// The error of serde_json, with line and column.
-    pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
+    /// The first mistake, with its position.
+    ///
+    /// ```
+    /// use longstep_core::environment::Environment;
+    /// let python = Environment::from_json("{'assets': ['<desk>',], 'names': None}  # office").unwrap();
+    /// assert_eq!(python, Environment::from_json(r#"{"assets": ["<desk>"]}"#).unwrap());
+    /// ```
+    pub fn from_json(text: &str) -> Result<Self, EnvironmentError> {
         Ok(Self::parse(text)?.0)
     }
 
@@ -113,20 +193,46 @@ impl Environment {
     ///
     /// # Errors
     ///
-    /// The error of serde_json, with line and column.
-    pub fn parse(text: &str) -> Result<(Self, bool), serde_json::Error> {
-        #[derive(Deserialize)]
-        struct Wrapped {
-            environment: Environment,
+    /// The first mistake, with its position.
+    pub fn parse(text: &str) -> Result<(Self, bool), EnvironmentError> {
+        match serde_json::from_str::<Value>(text) {
+            Ok(value) => {
+                // Parsing the text again, rather than the value, keeps line and column in the errors.
+                let is_wrapped = value.get("environment").is_some();
+                let read = match is_wrapped {
+                    true => serde_json::from_str::<Wrapped>(text).map(|wrapped| wrapped.environment),
+                    false => serde_json::from_str(text),
+                };
+                Ok((read.map_err(|error| EnvironmentError::of_json(&error))?, is_wrapped))
+            }
+            Err(error) => Self::parse_literal(text, &EnvironmentError::of_json(&error)),
         }
-        // The keys decide between both forms, so that errors refer to the form that was meant. Parsing the text again,
-        // rather than the value, keeps line and column in the errors.
-        let value: Value = serde_json::from_str(text)?;
-        if value.get("environment").is_some() {
-            Ok((serde_json::from_str::<Wrapped>(text)?.environment, true))
-        } else {
-            Ok((serde_json::from_str(text)?, false))
-        }
+    }
+
+    /// Parses a text that is not JSON: a Python literal, with comments. `json` is the first place where it is not JSON.
+    fn parse_literal(text: &str, json: &EnvironmentError) -> Result<(Self, bool), EnvironmentError> {
+        let literal = literal::whole(text).map_err(|fault| {
+            let position = Position::of(text, fault.at);
+            // The reader that came further says more about the mistake.
+            match fault.reason {
+                Reason::Malformed(message) if json.position.is_none_or(|json| json < position) => EnvironmentError {
+                    message,
+                    position: Some(position),
+                },
+                _ => json.clone(),
+            }
+        })?;
+        let twice = |path: Path| EnvironmentError {
+            message: format!("`{path}` stands there twice"),
+            position: None,
+        };
+        let value = literal::json(&literal.node, &Path::default()).map_err(twice)?;
+        let is_wrapped = value.get("environment").is_some();
+        let read = match is_wrapped {
+            true => serde_json::from_value::<Wrapped>(value).map(|wrapped| wrapped.environment),
+            false => serde_json::from_value(value),
+        };
+        Ok((read.map_err(|error| EnvironmentError::of_json(&error))?, is_wrapped))
     }
 
     /// Returns true if some states are written as lists.
@@ -151,6 +257,36 @@ mod tests {
         let wrapped =
             Environment::from_json(r#"{"environment": {"assets": ["<a>"], "names": {"<a>": "shelf"}}}"#).unwrap();
         assert_eq!(bare, wrapped);
+    }
+
+    #[test]
+    fn python_literals_are_read_with_their_comments() {
+        let text = "# the lab\nenvironment = {'environment': {\n  'assets': ('<bench>', '<rack>',),\n  \
+            'asset_states': {'<rack>': 'on_something(<bench>), closed()'},  # locked?\n  'robot': None}}\n# end\n";
+        let environment = Environment::from_json(text).unwrap();
+        assert_eq!(environment.assets, ["<bench>", "<rack>"]);
+        let states = environment.asset_states["<rack>"].as_slice();
+        assert_eq!(states, ["on_something(<bench>)", "closed()"]);
+        check_error(
+            "{'assets': [<rack>]}",
+            "expected a value, found `<` at line 1 column 13",
+        );
+        check_error("{'assets': [], 'assets': []}", "`assets` stands there twice");
+        check_error("{'assets': []} {}", "expected the end of the text at line 1 column 16");
+        check_error("{'assets': [1]}", "invalid type: integer `1`, expected a string");
+    }
+
+    #[test]
+    fn a_text_with_commas_between_calls_is_a_list() {
+        for (text, count) in [
+            ("open()", 1),
+            ("on(<a>), open()", 2),
+            ("near(<a>, <b>)", 1),
+            ("a,, b", 1),
+            ("Hi, you", 1),
+        ] {
+            assert_eq!(Words::of_text(text.to_owned()).as_slice().len(), count, "{text}");
+        }
     }
 
     #[test]

@@ -45,7 +45,7 @@ pub use domain::{
     GoalWordId, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime,
     StateWord, TypeId, Types, Unknown,
 };
-pub use environment::{Environment, Words};
+pub use environment::{Environment, EnvironmentError, Words};
 pub use evaluate::{Bindings, Moment, holds};
 pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term, static_value, unify};
 pub(crate) use fact::ChangedLists;

@@ -9,6 +9,9 @@ use crate::diagnostic::nearest;
 use crate::environment::fact_of;
 use crate::model::{ActionId, Domain, EntityId, Fact, World};
 
+/// Maximum number of arguments whose names are not those of parameters and whose order is found by their types.
+const MOST_NAMED: usize = 4;
+
 /// A step whose implicit arguments may still be unknown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DraftStep {
@@ -300,29 +303,8 @@ impl Resolver<'_> {
         let call = &written.call;
         let id = self.action(index, call)?;
         let action = self.domain.action(id);
-        if call.arguments.len() != action.explicit.len() {
-            self.issues.push(Violation::WrongArguments {
-                step: index,
-                call: text.to_owned(),
-                expected: action.explicit.len(),
-            });
-            return None;
-        }
         let before = self.issues.len();
-        let mut given: Vec<(usize, &String)> = action.explicit.iter().copied().zip(&call.arguments).collect();
-        for (name, value) in &written.implicit {
-            match action.implicit().find(|at| action.parameters[*at].name == *name) {
-                Some(parameter) => given.push((parameter, value)),
-                None => {
-                    let hidden = action.implicit().map(|at| action.parameters[at].name.as_str());
-                    self.issues.push(Violation::UnknownParameter {
-                        step: index,
-                        name: name.clone(),
-                        near: nearest(name, hidden).map(str::to_owned),
-                    });
-                }
-            }
-        }
+        let given = self.given(index, id, written, text)?;
         let mut arguments = vec![None; action.parameters.len()];
         for (parameter, name) in given {
             let Some(entity) = self.entity(Some(index), name) else {
@@ -347,6 +329,95 @@ impl Resolver<'_> {
             arguments,
             explanation: written.explanation.clone(),
         })
+    }
+
+    /// Assigns the arguments of a call to parameters: those in order to the parameters that a call writes, those with a name to the
+    /// parameter with that name.
+    fn given<'s>(
+        &mut self,
+        index: usize,
+        id: ActionId,
+        written: &'s WrittenStep,
+        text: &str,
+    ) -> Option<Vec<(usize, &'s String)>> {
+        let action = self.domain.action(id);
+        let in_order = &written.call.arguments;
+        let mut given: Vec<(usize, &String)> = action.explicit.iter().copied().zip(in_order).collect();
+        let mut open: Vec<usize> = action.explicit.iter().copied().skip(in_order.len()).collect();
+        let mut unknown = Vec::new();
+        for (name, value) in &written.implicit {
+            let parameter = (0..action.parameters.len())
+                .filter(|at| !given.iter().any(|(parameter, _)| parameter == at))
+                .find(|at| {
+                    action.parameters[*at]
+                        .name
+                        .eq_ignore_ascii_case(&name.replace('_', "-"))
+                        || action.parameters[*at].name == *name
+                });
+            match parameter {
+                Some(parameter) => {
+                    open.retain(|at| *at != parameter);
+                    given.push((parameter, value));
+                }
+                None => unknown.push((name, value)),
+            }
+        }
+        if in_order.len() > action.explicit.len() || unknown.len() < open.len() {
+            self.issues.push(Violation::WrongArguments {
+                step: index,
+                call: text.to_owned(),
+                expected: action.explicit.len(),
+            });
+            return None;
+        }
+        let values: Vec<&String> = unknown.iter().map(|(_, value)| *value).collect();
+        if open.len() == unknown.len()
+            && let Some(order) = self.only_order(id, &open, &values)
+        {
+            given.extend(order.into_iter().zip(values));
+            return Some(given);
+        }
+        for (name, _) in unknown {
+            let parameters = match open.is_empty() {
+                true => action.implicit().collect(),
+                false => open.clone(),
+            };
+            let known = parameters.iter().map(|at| action.parameters[*at].name.as_str());
+            self.issues.push(Violation::UnknownParameter {
+                step: index,
+                name: name.clone(),
+                near: nearest(name, known).map(str::to_owned),
+            });
+        }
+        Some(given)
+    }
+
+    /// Returns the only order of parameters in which entities fit by their types; none if several or none do.
+    fn only_order(&self, action: ActionId, parameters: &[usize], names: &[&String]) -> Option<Vec<usize>> {
+        let Some((name, rest)) = names.split_first() else {
+            return Some(Vec::new());
+        };
+        if parameters.len() > MOST_NAMED {
+            return None;
+        }
+        let only_one = parameters.len() == 1;
+        let entity = self.world.find(name).or_else(|| fuzzy_names::entity(self.world, name));
+        let fits = |parameter: usize| {
+            let expected = self.domain.action(action).parameters[parameter].kind;
+            // A single argument has a single place; its type is checked there.
+            only_one || entity.is_some_and(|entity| self.domain.types.is_a(self.world.entity(entity).kind, expected))
+        };
+        let mut orders = (0..parameters.len())
+            .filter(|place| fits(parameters[*place]))
+            .filter_map(|place| {
+                let mut others = parameters.to_vec();
+                let parameter = others.remove(place);
+                let mut order = vec![parameter];
+                order.extend(self.only_order(action, &others, rest)?);
+                Some(order)
+            });
+        let first = orders.next()?;
+        orders.next().is_none().then_some(first)
     }
 
     /// Collects the claims in the explanation of a step.

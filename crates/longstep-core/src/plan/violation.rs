@@ -49,13 +49,13 @@ pub enum Violation {
         /// A sensing action or state word with a similar name.
         near: Option<String>,
     },
-    /// A call names a parameter that its action does not have, or that the action takes by position.
+    /// A call names a parameter that its action does not have or that has an argument already.
     UnknownParameter {
         /// The step.
         step: usize,
         /// The parameter.
         name: String,
-        /// An implicit parameter with a similar name.
+        /// A free parameter with a similar name.
         near: Option<String>,
     },
     /// The environment does not list the actor of a lane.

@@ -27,7 +27,7 @@ pub type WrittenNode = Node<WrittenStep, String>;
 pub struct WrittenStep {
     /// The call with its explicit arguments.
     pub call: Call,
-    /// Implicit arguments: parameter name and value.
+    /// Arguments by name: parameter name and value. Most are implicit ones, which a call does not write.
     pub implicit: Vec<(String, String)>,
     /// Explanation of the step; may be empty.
     pub explanation: String,

@@ -1,23 +1,28 @@
-//! Reader for model replies: extracts a plan file from text.
+//! Reader for model replies and plan files: extracts a plan from text.
 //!
-//! The reader is lenient about form and lists every leniency; it is strict about content and guesses nothing. One
-//! parser handles all replies; strict JSON produces no leniencies.
+//! The reader is lenient about form and lists every leniency; it is strict about content and guesses nothing. Each notation has one
+//! reader ([`NOTATIONS`]); a text that two of them read differently is refused. Strict JSON produces no leniencies.
 
+mod line;
+mod lines;
+mod objects;
 mod scripts;
 mod shape;
+mod step_value;
 #[cfg(test)]
 mod tests;
+mod thoughts;
 mod unreadable;
+mod yaml;
 
 pub use crate::literal::{Leniency, LeniencyKind};
 pub use unreadable::Unreadable;
 
 use std::ops::Range;
 
-use super::PlanFile;
+use super::{Node, PlanFile, StepId, TaskCohesion, Written, WrittenStep};
 use crate::diagnostic::Position;
-use crate::literal::{self, DEEPEST, FENCE, Fault, Literal, Notes, PLAN_KEYS, Reason};
-use shape::Likeness;
+use crate::literal::{FENCE, Notes, PLAN_KEYS};
 use unreadable::LARGEST;
 
 /// A plan from a model's reply.
@@ -29,10 +34,11 @@ pub struct Draft {
     pub leniencies: Vec<Leniency>,
 }
 
-/// Extracts the plan from a model's reply.
+/// Extracts the plan from a model's reply or from a plan file.
 ///
-/// The plan is an object in the paper's format, as JSON or as a Python literal, alone or inside prose and a code block;
-/// or a script (see [`super::script`]), alone or in a code block. Takes time linear in the length of the text.
+/// The plan is an object in the paper's format, as JSON, as a Python literal or as YAML; a list of calls, or of objects with an action
+/// and its arguments; a tool call, whose arguments are the plan or a step; a script (see [`super::script`]); a list or table of
+/// calls; or a VirtualHome script. It may stand alone or inside prose and a code block. Takes time linear in the length of the text.
 ///
 /// # Errors
 ///
@@ -50,177 +56,199 @@ pub struct Draft {
 ///
 /// let cut_off = read(&reply[..100]).unwrap_err();
 /// assert!(matches!(cut_off, Unreadable::CutOff { .. }));
+///
+/// let listed = read("1. **Walk(<desk>)** - go there\n2. `Grab(<pen>)`").unwrap();
+/// assert_eq!(listed.file.task_cohesion.task_sequence, ["Walk(<desk>)", "Grab(<pen>)"]);
+/// assert_eq!(listed.leniencies[0].message(), "line 1, column 1: the plan was read as a numbered list");
 /// ```
 pub fn read(text: &str) -> Result<Draft, Unreadable> {
+    let found = find(text, 0)?;
+    Ok(Draft {
+        file: found.file,
+        leniencies: found.notes.into_leniencies(text),
+    })
+}
+
+/// A plan in a text.
+#[derive(Debug)]
+struct Found {
+    file: PlanFile,
+    start: usize,
+    notes: Notes,
+}
+
+impl Found {
+    /// Creates a plan of steps one after another.
+    fn of_steps(steps: Vec<WrittenStep>, start: usize, notes: Notes) -> Self {
+        let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
+        let objects = Vec::new();
+        Self {
+            file: PlanFile::from(TaskCohesion::from_written(Written { steps, body, objects })),
+            start,
+            notes,
+        }
+    }
+
+    /// Returns true if both plans have the same steps, whatever their explanations.
+    fn has_steps_of(&self, other: &Self) -> bool {
+        let (own, other) = (&self.file.task_cohesion, &other.file.task_cohesion);
+        let bare = |steps: Vec<WrittenStep>| {
+            steps
+                .into_iter()
+                .map(|step| (step.call, step.implicit))
+                .collect::<Vec<_>>()
+        };
+        match (own.written(), other.written()) {
+            (Ok(own), Ok(other)) if own.is_sequence() && other.is_sequence() => bare(own.steps) == bare(other.steps),
+            (Ok(own), Ok(other)) => own.body == other.body && bare(own.steps) == bare(other.steps),
+            _ => own.task_sequence == other.task_sequence,
+        }
+    }
+}
+
+/// A notation of plans outside of JSON and Python literals.
+struct Notation {
+    /// The noun for messages.
+    name: &'static str,
+    /// Finds the plan that a text has in this notation; none if nothing in the text is meant as one.
+    find: fn(&str) -> Option<Result<Found, Unreadable>>,
+}
+
+const NOTATIONS: [Notation; 3] = [
+    Notation {
+        name: "a script",
+        find: scripts::find,
+    },
+    Notation {
+        name: "a list of calls",
+        find: lines::find,
+    },
+    Notation {
+        name: "YAML",
+        find: yaml::find,
+    },
+];
+
+/// Maximum depth of texts with plans inside of values.
+const INNERMOST: usize = 4;
+
+/// Finds the plan of a text that stands `depth` texts deep in a reply.
+fn find(text: &str, depth: usize) -> Result<Found, Unreadable> {
     if text.len() > LARGEST {
         return Err(Unreadable::TooLarge {
             bytes: text.len(),
             limit: LARGEST,
         });
     }
-    let surveyed = survey(text);
-    let may_be_script = match &surveyed {
-        Ok(seen) => seen.plan.is_none(),
+    let (answer, thoughts) = thoughts::blanked(text);
+    if thoughts.is_some() && answer.trim().is_empty() {
+        return Err(Unreadable::OnlyThoughts);
+    }
+    let mut found = find_in_answer(&answer, depth)?;
+    if let Some(at) = thoughts {
+        found.notes.add(LeniencyKind::Thoughts, at);
+    }
+    Ok(found)
+}
+
+fn find_in_answer(text: &str, depth: usize) -> Result<Found, Unreadable> {
+    let survey = match objects::survey(text, depth) {
         // Without any plan key, the broken object was not meant as a plan in JSON.
-        Err(_) => !PLAN_KEYS.iter().any(|key| text.contains(key)),
+        Err(error) if PLAN_KEYS.iter().any(|key| text.contains(key)) => return Err(error),
+        survey => survey,
     };
-    if may_be_script && let Some(draft) = scripts::read(text) {
-        return draft;
-    }
-    let seen = surveyed?;
-    let position = |at| Position::of(text, at);
-    match (seen.plan, seen.broken, seen.object) {
-        (
-            Some(Found {
-                other: Some(other),
-                count,
-                start,
-                ..
-            }),
-            ..,
-        ) => Err(Unreadable::SeveralPlans {
-            count,
-            first: position(start),
-            other: position(other),
-        }),
-        (Some(Found { file, .. }), ..) => Ok(Draft {
-            file,
-            leniencies: seen.notes.into_leniencies(text),
-        }),
-        (None, Some((start, fault)), _) => Err(unreadable(text, start, fault)),
-        (None, None, Some(first)) => Err(Unreadable::NoPlan { first: position(first) }),
-        (None, None, None) if seen.notes.contain(LeniencyKind::Prose) => {
-            Err(Unreadable::Refusal { text: beginning(text) })
-        }
-        (None, None, None) => Err(Unreadable::Empty),
-    }
-}
-
-/// Contents of a reply; positions are byte offsets.
-#[derive(Default)]
-struct Survey {
-    plan: Option<Found>,
-    /// The first malformed object that is not known to be a plan: its start and the fault.
-    broken: Option<(usize, Fault)>,
-    /// Start of the first well-formed object.
-    object: Option<usize>,
-    notes: Notes,
-}
-
-/// The first plan in a reply.
-struct Found {
-    file: PlanFile,
-    start: usize,
-    /// Number of plans.
-    count: usize,
-    /// Start of the first plan that differs.
-    other: Option<usize>,
-}
-
-/// Examines every object of a reply. A plan that cannot be read is an error, whatever else the reply contains.
-fn survey(text: &str) -> Result<Survey, Unreadable> {
-    let mut seen = Survey::default();
-    let mut read_to = 0;
-    for (start, object) in (Objects { text, at: 0 }) {
-        let literal = match object {
-            Ok(literal) => literal,
-            Err(fault) if fault.of_plan || !matches!(fault.reason, Reason::Malformed(_)) => {
-                return Err(unreadable(text, start, fault));
+    // A broken object is not read line by line.
+    let is_whole = survey.as_ref().is_ok_and(|survey| survey.broken.is_none());
+    let notations = if is_whole { &NOTATIONS[..] } else { &NOTATIONS[..1] };
+    let outside = match &survey {
+        Ok(survey) => thoughts::blank(text, &survey.read),
+        Err(_) => text.into(),
+    };
+    let mut readings: Vec<(&str, Result<Found, Unreadable>)> = Vec::new();
+    let rest = match survey {
+        Ok(survey) => match survey.plan(text) {
+            Ok(read) => {
+                readings.push(("JSON", read));
+                None
             }
-            Err(fault) => {
-                seen.broken.get_or_insert((start, fault));
-                continue;
-            }
-        };
-        around(text, read_to..start, &mut seen.notes);
-        read_to = literal.end;
-        seen.object.get_or_insert(start);
-        match shape::likeness(&literal.node) {
-            None => seen.notes.add(LeniencyKind::OtherObject, start),
-            // This object may be a part of the broken one, whose other content would be lost.
-            Some(Likeness::Part) if seen.broken.is_some() => {}
-            Some(_) => {
-                let mut used = literal.notes;
-                let file = shape::plan(text, &literal.node, &mut used)?;
-                seen.add(file, start, used);
-            }
-        }
-    }
-    around(text, read_to..text.len(), &mut seen.notes);
-    Ok(seen)
-}
-
-impl Survey {
-    fn add(&mut self, file: PlanFile, start: usize, used: Notes) {
-        let Some(found) = &mut self.plan else {
-            self.notes.append(used);
-            self.plan = Some(Found {
-                file,
-                start,
-                count: 1,
-                other: None,
-            });
-            return;
-        };
-        found.count += 1;
-        if found.file == file {
-            self.notes.add(LeniencyKind::RepeatedPlan, start);
-        } else {
-            found.other.get_or_insert(start);
-        }
-    }
-}
-
-/// Iterator over the outermost objects of a text, with their start offsets.
-struct Objects<'t> {
-    text: &'t str,
-    at: usize,
-}
-
-impl Iterator for Objects<'_> {
-    type Item = (usize, Result<Literal, Fault>);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            let start = self.at + self.text[self.at..].find('{')?;
-            match literal::object(self.text, start) {
-                Ok(literal) => {
-                    self.at = literal.end;
-                    return Some((start, Ok(literal)));
-                }
-                Err(fault) => {
-                    // Continuing at the fault, never before it, keeps the time linear.
-                    let placeholder = placeholder(self.text, start).filter(|end| *end > fault.at);
-                    self.at = placeholder.unwrap_or(fault.at).max(start + 1);
-                    if placeholder.is_none() || fault.of_plan {
-                        return Some((start, Err(fault)));
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Returns the end of a placeholder, such as `{object}` in a sentence.
-fn placeholder(text: &str, start: usize) -> Option<usize> {
-    let inside = start + 1;
-    let end = inside + text[inside..].find(['{', '}', '\n'])?;
-    text[end..].starts_with('}').then_some(end + 1)
-}
-
-fn unreadable(text: &str, start: usize, fault: Fault) -> Unreadable {
-    let position = Position::of(text, fault.at);
-    match fault.reason {
-        Reason::CutOff => Unreadable::CutOff {
-            position,
-            opened: Position::of(text, start),
+            Err(none) => Some(none),
         },
-        Reason::TooDeep => Unreadable::TooDeep {
-            position,
-            limit: DEEPEST,
-        },
-        Reason::Malformed(message) => Unreadable::Malformed { position, message },
+        Err(error) => Some(error),
+    };
+    let others = notations
+        .iter()
+        .filter_map(|notation| Some((notation.name, (notation.find)(&outside)?)));
+    readings.extend(others);
+    if readings.is_empty()
+        && let Some(what) = foreign(text)
+    {
+        return Err(Unreadable::Foreign { what });
     }
+    chosen(text, readings).unwrap_or_else(|| Err(rest.unwrap_or(Unreadable::Empty)))
+}
+
+/// Returns the plan on which all readings agree that are plans; the first error if none is one; none without a reading.
+fn chosen(text: &str, readings: Vec<(&'static str, Result<Found, Unreadable>)>) -> Option<Result<Found, Unreadable>> {
+    let mut error = None;
+    let mut plan: Option<(&'static str, Found)> = None;
+    for (name, reading) in readings {
+        match (reading, &plan) {
+            (Ok(found), None) => plan = Some((name, found)),
+            (Ok(found), Some((first, before))) if !before.has_steps_of(&found) => {
+                return Some(Err(Unreadable::SeveralReadings {
+                    first,
+                    position: Position::of(text, before.start),
+                    other: name,
+                    other_position: Position::of(text, found.start),
+                }));
+            }
+            (Ok(_), Some(_)) => {}
+            // Several plans in JSON stay several, whatever stands beside them.
+            (Err(several @ Unreadable::SeveralPlans { .. }), _) => return Some(Err(several)),
+            (Err(first), _) => {
+                error.get_or_insert(first);
+            }
+        }
+    }
+    match (plan, error) {
+        (Some((_, found)), _) => Some(Ok(found)),
+        (None, error) => error.map(Err),
+    }
+}
+
+/// Returns the name of a notation that has plans and is not read.
+fn foreign(text: &str) -> Option<&'static str> {
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let is_xml = text.starts_with("<?xml") || (text.starts_with('<') && (text.contains("</") || text.contains("/>")));
+    match (text.contains("<BehaviorTree"), is_xml) {
+        (true, _) => Some("a behaviour tree in XML"),
+        (false, true) => Some("XML"),
+        (false, false) => None,
+    }
+}
+
+/// A code block; positions are byte offsets.
+struct Block {
+    opened: usize,
+    inside: Range<usize>,
+    closed: bool,
+}
+
+/// Iterates over the code blocks of a text.
+fn blocks(text: &str) -> impl Iterator<Item = Block> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let opened = at + text[at..].find(FENCE)?;
+        // The rest of the line after an opening fence is the language.
+        let start = text[opened..].find('\n').map_or(text.len(), |end| opened + end + 1);
+        let end = text[start..].find(FENCE).map(|end| start + end);
+        at = end.map_or(text.len(), |end| end + FENCE.len());
+        Some(Block {
+            opened,
+            inside: start..end.unwrap_or(text.len()),
+            closed: end.is_some(),
+        })
+    })
 }
 
 /// Records the leniencies outside of objects: code blocks, assignments and prose.
@@ -263,16 +291,5 @@ fn words(text: &str, piece: Range<usize>, notes: &mut Notes) {
     };
     if !words.is_empty() {
         notes.add(LeniencyKind::Prose, start);
-    }
-}
-
-/// Returns the first words of the text, on one line.
-fn beginning(text: &str) -> String {
-    const SHOWN: usize = 120;
-    let line: Vec<&str> = text.split_whitespace().take(SHOWN).collect();
-    let line = line.join(" ");
-    match line.char_indices().nth(SHOWN) {
-        Some((end, _)) => format!("{}…", &line[..end]),
-        None => line,
     }
 }

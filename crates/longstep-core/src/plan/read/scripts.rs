@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use super::unreadable::Unreadable;
-use super::{Draft, around};
+use super::{Block, Found, around, blocks};
 use crate::diagnostic::Position;
 use crate::literal::{FENCE, LeniencyKind, Notes};
 use crate::plan::{Node, PlanFile, TaskCohesion, Written, script};
 
-/// Parses the script in a reply; none if the reply contains no script.
-pub(super) fn read(text: &str) -> Option<Result<Draft, Unreadable>> {
+/// Finds the script in a reply; none if the reply contains no script.
+pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
     let blocks: Vec<Block> = blocks(text)
         .filter(|block| is_meant(&text[block.inside.clone()]))
         .collect();
@@ -19,12 +19,12 @@ pub(super) fn read(text: &str) -> Option<Result<Draft, Unreadable>> {
     Some(fenced(text, &blocks))
 }
 
-fn whole(text: &str) -> Result<Draft, Unreadable> {
+fn whole(text: &str) -> Result<Found, Unreadable> {
     let written = part(text, 0..text.len())?;
-    Ok(draft(text, written, 0, Notes::default()))
+    Ok(found(written, 0, Notes::default()))
 }
 
-fn fenced(text: &str, blocks: &[Block]) -> Result<Draft, Unreadable> {
+fn fenced(text: &str, blocks: &[Block]) -> Result<Found, Unreadable> {
     let mut notes = Notes::default();
     let mut first: Option<(Written, &Block)> = None;
     let mut read_to = 0;
@@ -52,7 +52,7 @@ fn fenced(text: &str, blocks: &[Block]) -> Result<Draft, Unreadable> {
     }
     around(text, read_to..text.len(), &mut notes);
     match first {
-        Some((written, block)) => Ok(draft(text, written, block.inside.start, notes)),
+        Some((written, block)) => Ok(found(written, block.inside.start, notes)),
         None => Err(Unreadable::Empty),
     }
 }
@@ -61,43 +61,21 @@ fn part(text: &str, inside: Range<usize>) -> Result<Written, Unreadable> {
     script::read_part(text, inside).map_err(|error| Unreadable::Script { inside: None, error })
 }
 
-fn draft(text: &str, written: Written, start: usize, mut notes: Notes) -> Draft {
+fn found(written: Written, start: usize, mut notes: Notes) -> Found {
     let remarks = written.body.iter().any(|node| matches!(node, Node::Remark(_)));
     let task_cohesion = TaskCohesion::from_written(written);
     if remarks && task_cohesion.task_tree.is_none() {
         notes.add(LeniencyKind::Comment, start);
     }
-    Draft {
+    Found {
         file: PlanFile::from(task_cohesion),
-        leniencies: notes.into_leniencies(text),
+        start,
+        notes,
     }
 }
 
-/// A code block; positions are byte offsets.
-struct Block {
-    opened: usize,
-    inside: Range<usize>,
-    closed: bool,
-}
-
-fn blocks(text: &str) -> impl Iterator<Item = Block> {
-    let mut at = 0;
-    std::iter::from_fn(move || {
-        let opened = at + text[at..].find(FENCE)?;
-        // The rest of the line after an opening fence is the language.
-        let start = text[opened..].find('\n').map_or(text.len(), |end| opened + end + 1);
-        let end = text[start..].find(FENCE).map(|end| start + end);
-        at = end.map_or(text.len(), |end| end + FENCE.len());
-        Some(Block {
-            opened,
-            inside: start..end.unwrap_or(text.len()),
-            closed: end.is_some(),
-        })
-    })
-}
-
 /// Returns true if the first line that is not a comment begins like a script statement or other Python code.
-fn is_meant(text: &str) -> bool {
+pub(super) fn is_meant(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let Some(line) = lines.find(|line| !line.starts_with('#')) else {
         return false;

@@ -2,12 +2,12 @@
 
 use indexmap::IndexMap;
 use indexmap::map::Entry as Slot;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::unreadable::Unreadable;
 use crate::diagnostic::Position;
 use crate::json::Path;
-use crate::literal::{LeniencyKind as Kind, Member, Notes, Value as Literal, ValueNode, shorten};
+use crate::literal::{LeniencyKind as Kind, Member, Notes, Value as Literal, ValueNode, json, shorten};
 use crate::model::{Environment, Words};
 use crate::plan::{
     ChoiceFile, EndingFile, PlanDomain, PlanFile, PurposeFile, TaskCohesion, TreeError, read_tree, script,
@@ -24,12 +24,8 @@ pub(super) enum Likeness {
     Part,
 }
 
-/// Classifies an object; an object whose single key contains a plan counts as that plan.
+/// Classifies an object.
 pub(super) fn likeness(node: &ValueNode) -> Option<Likeness> {
-    own_likeness(node).or_else(|| wrapped(node).and_then(|(_, inner)| own_likeness(inner)))
-}
-
-fn own_likeness(node: &ValueNode) -> Option<Likeness> {
     let Literal::Object(entries) = &node.value else {
         return None;
     };
@@ -54,28 +50,9 @@ fn is_steps(key: &str) -> bool {
     matches!(key, "task_sequence" | "task_tree")
 }
 
-/// Returns the key and the value of an object with exactly one entry.
-fn wrapped(node: &ValueNode) -> Option<(&str, &ValueNode)> {
-    match &node.value {
-        Literal::Object(entries) => match entries.as_slice() {
-            [only] => Some((&only.key, &only.node)),
-            _ => None,
-        },
-        _ => None,
-    }
-}
-
-/// Converts an object that looks like a plan.
-pub(super) fn plan(text: &str, node: &ValueNode, notes: &mut Notes) -> Shaped<PlanFile> {
-    let mut shape = Shape { text, notes };
-    match (own_likeness(node), wrapped(node)) {
-        (None, Some((key, inner))) => {
-            let path = Path::key(&shorten(key));
-            shape.notes.add_about(Kind::Wrapped, node.at, path.clone());
-            shape.plan(inner, &path)
-        }
-        _ => shape.plan(node, &Path::default()),
-    }
+/// Converts an object that looks like a plan and stands at a path of a larger value.
+pub(super) fn plan(text: &str, node: &ValueNode, path: &Path, notes: &mut Notes) -> Shaped<PlanFile> {
+    Shape { text, notes }.plan(node, path)
 }
 
 const PLAN_KEYS: [&str; 9] = [
@@ -133,7 +110,7 @@ impl<'v> Fields<'v> {
 
 impl Shape<'_, '_> {
     fn plan(&mut self, node: &ValueNode, path: &Path) -> Shaped<PlanFile> {
-        let whole = own_likeness(node) == Some(Likeness::Whole);
+        let whole = likeness(node) == Some(Likeness::Whole);
         let fields = if whole {
             self.fields(node, path, &PLAN_KEYS)?
         } else {
@@ -249,10 +226,17 @@ impl Shape<'_, '_> {
         let objects = self.field(fields, "object_names", Self::texts)?.unwrap_or_default();
         let path = fields.path.push("task_tree");
         let read = |value: Value| read_tree(&value, object.into_iter().chain(objects).collect(), &path);
-        let written = json(tree, &path).and_then(read).map_err(|error| Unreadable::Tree {
-            position: Position::of(self.text, tree.at),
-            error,
-        })?;
+        let twice = |path| TreeError {
+            path,
+            message: "stands there twice".to_owned(),
+        };
+        let written = json(tree, &path)
+            .map_err(twice)
+            .and_then(read)
+            .map_err(|error| Unreadable::Tree {
+                position: Position::of(self.text, tree.at),
+                error,
+            })?;
         Ok(TaskCohesion::from_written(written))
     }
 
@@ -405,7 +389,7 @@ impl Shape<'_, '_> {
 
     fn words(&mut self, node: &ValueNode, path: &Path) -> Shaped<Words> {
         match &node.value {
-            Literal::Text(word) => Ok(Words::One(word.clone())),
+            Literal::Text(word) => Ok(Words::of_text(word.clone())),
             Literal::List(_) => self.texts(node, path).map(Words::Many),
             _ => Err(self.wrong(node, path, "a text or a list of texts")),
         }
@@ -469,33 +453,4 @@ impl Shape<'_, '_> {
             },
         }
     }
-}
-
-/// Converts a literal to JSON. Duplicate keys are an error.
-fn json(node: &ValueNode, path: &Path) -> Result<Value, TreeError> {
-    Ok(match &node.value {
-        Literal::Null => Value::Null,
-        Literal::Bool(value) => Value::Bool(*value),
-        Literal::Number(digits) => serde_json::from_str(digits).unwrap_or(Value::Null),
-        Literal::Text(text) => Value::String(text.clone()),
-        Literal::List(items) => {
-            let items = items.iter().enumerate();
-            Value::Array(
-                items
-                    .map(|(index, item)| json(item, &path.index(index)))
-                    .collect::<Result<_, _>>()?,
-            )
-        }
-        Literal::Object(entries) => {
-            let mut object = Map::new();
-            for Member { key, node, .. } in entries {
-                let path = path.push(&shorten(key));
-                if object.insert(key.clone(), json(node, &path)?).is_some() {
-                    let message = "stands there twice".to_owned();
-                    return Err(TreeError { path, message });
-                }
-            }
-            Value::Object(object)
-        }
-    })
 }

@@ -62,7 +62,7 @@ fn what_stands_around_the_plan_is_listed() {
         "a(); b(); A; B [CodeFence*2 Prose Assignment]",
     );
     check(&format!("\u{feff}{PLAN}"), "a(); b(); A; B [OddSpace]");
-    check(&format!("[{PLAN}]"), "a(); b(); A; B [Prose*2]");
+    check(&format!("[{PLAN}]"), "a(); b(); A; B [Wrapped([0])]");
     check(
         &format!("The {{object}} is {{}}. {PLAN}"),
         "a(); b(); A; B [Prose*2 OtherObject]",
@@ -422,4 +422,199 @@ fn trees_and_scripts_are_found_in_replies() {
     ] {
         assert_eq!(read(reply).unwrap_err().to_string(), message, "{reply}");
     }
+}
+
+/// Steps in every notation other than the paper's, with the notation that is named.
+#[test]
+fn each_notation_has_its_reader() {
+    const STEPS: &str = "Walk(<desk>); Put(<pen>, <desk>)";
+    for (notation, texts) in [
+        (
+            "a numbered list",
+            &[
+                "1. Walk(<desk>)\n2. Put(<pen>, <desk>)",
+                "Here is the plan:\n\n1) **Walk(<desk>)** - go there\n\n2) `Put(<pen>, <desk>)`: put it down\n\nEnjoy!",
+                "Step 1: Walk(<desk>)\nStep 2: Put(<pen>, <desk>).",
+                "**Step 1:** Walk(<desk>)\n   go there\n**Step 2:** Put(<pen>, <desk>)",
+                "1. Go to the desk: `Walk(<desk>)`\n2. Put the pen there \u{2013} Put(<pen>, <desk>)",
+                "(1) Walk(\"<desk>\")\n(2) Put('<pen>', '<desk>')",
+            ][..],
+        ),
+        (
+            "a list of calls",
+            &[
+                "- Walk(<desk>)\n- Put(<pen>, <desk>) # there",
+                "* `Walk(<desk>)`\n* `Put(<pen>, <desk>)`",
+                "- [ ] Walk(<desk>)\n- [x] Put(<pen>, <desk>)",
+            ],
+        ),
+        (
+            "calls on lines of their own",
+            &[
+                "Plan:\nWalk(<desk>)\nPut(<pen>, <desk>)",
+                "Walk(<desk>) -> Put(<pen>, <desk>)",
+                "[Walk(<desk>), Put(<pen>, <desk>)]",
+                "```\n[Walk(<desk>); Put(<pen>, <desk>)]\n```",
+                "Thought: the desk is far.\nAction: Walk(<desk>)\nObservation: there.\nAction: Put(<pen>, <desk>)",
+            ],
+        ),
+        (
+            "a Markdown table",
+            &[
+                "| # | call | why |\n|---|:---|---|\n| 1 | Walk(<desk>) | to be there |\n| 2 | `Put(<pen>, <desk>)` | |",
+            ],
+        ),
+        (
+            "a VirtualHome script",
+            &[
+                "[WALK] <desk>\n[PUT] <pen> <desk>",
+                "Tidy up\nPut the pen away.\n\n\n[WALK] <desk>\n[Put] <pen> <desk> [0]",
+            ],
+        ),
+        (
+            "a list of steps",
+            &[
+                r#"["Walk(<desk>)", "Put(<pen>, <desk>)"]"#,
+                r#"plan = [("Walk", "<desk>"), ("Put", "<pen>", "<desk>")]"#,
+                r#"{"steps": ["1. Walk(<desk>)", "2. Put(<pen>, <desk>)"], "note": "- Fly(<desk>)"}"#,
+                r#"{"plan": [{"action": "Walk", "args": ["<desk>"]}, {"action": "Put", "args": ["<pen>", "<desk>"]}]}"#,
+                r#"{"result": {"plan": [{"step": 1, "call": "Walk(<desk>)"}, {"step": 2, "call": "Put(<pen>, <desk>)"}]}}"#,
+                r#"{"plan": [{"Walk": "<desk>"}, {"Put": ["<pen>", "<desk>"]}]}"#,
+                r#"{"plan": ["(Walk <desk>)", "(Put <pen> <desk>)"]}"#,
+                r#"{"plan": ["[WALK] <desk>", "[PUT] <pen> <desk>"], "environment": {"assets": [], "objects": ["a()"]}}"#
+                    .replace("WALK", "Walk").replace("PUT", "Put").leak(),
+                r#"{"name": "run", "arguments": "{\"plan\": [\"Walk(<desk>)\", \"Put(<pen>, <desk>)\"]}"}"#,
+            ],
+        ),
+        (
+            "objects of one step each",
+            &[
+                "{\"call\": \"Walk(<desk>)\"}\n{\"call\": \"Put(<pen>, <desk>)\"}",
+                r#"<tool_call>{"name": "Walk", "arguments": ["<desk>"]}</tool_call>
+<tool_call>{"name": "Put", "arguments": ["<pen>", "<desk>"]}</tool_call>"#,
+            ],
+        ),
+        (
+            "YAML",
+            &[
+                "```yaml\nplan:\n  - call: Walk(<desk>)\n    why: far\n  - call: Put(<pen>, <desk>)\n```",
+                "steps:\n- Walk: <desk>\n- Put: [<pen>, <desk>]\n",
+                "task_cohesion:\n  task_sequence:\n  - Walk(<desk>)\n  - Put(<pen>, <desk>)\n  step_instructions: []\nquestion: \"\"",
+            ],
+        ),
+    ] {
+        for text in texts {
+            let draft = read(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+            let written = draft.file.task_cohesion.written().unwrap();
+            let calls: Vec<String> = written.steps.iter().map(|step| step.call.to_string()).collect();
+            let upper = calls.join("; ").replace("WALK", "Walk").replace("PUT", "Put");
+            assert_eq!(upper, STEPS, "{text}");
+            let named = draft.leniencies.iter().find_map(|leniency| match leniency.kind {
+                LeniencyKind::Notation(name) => Some(name),
+                _ => None,
+            });
+            let is_yaml = notation == "YAML" && text.contains("- Walk(");
+            assert!(named == Some(notation) || is_yaml, "{text}: {named:?}");
+        }
+    }
+}
+
+#[test]
+fn tool_calls_have_a_plan_or_steps_in_their_arguments() {
+    let inner = r#"{\"task_cohesion\": {\"task_sequence\": [\"a()\"]}}"#;
+    check(
+        &format!(
+            r#"{{"choices": [{{"message": {{"content": null, "tool_calls": [{{"type": "function", "function": {{"name": "plan", "arguments": "{inner}"}}}}]}}}}]}}"#
+        ),
+        "a() [Wrapped(choices[0].message.tool_calls[0].function.arguments)]",
+    );
+    let named = |reply: &str| {
+        let draft = read(reply).unwrap_or_else(|error| panic!("{reply}: {error}"));
+        let written = draft.file.task_cohesion.written().unwrap();
+        let step = |step: &WrittenStep| format!("{} {:?}", step.call, step.implicit);
+        written.steps.iter().map(step).collect::<Vec<_>>().join("; ")
+    };
+    for reply in [
+        r#"{"message": {"tool_calls": [{"function": {"name": "Grab", "arguments": {"item": "cup"}}}, {"function": {"name": "Open", "arguments": "{\"thing\": \"box\"}"}}]}}"#,
+        r#"{"content": [{"type": "text", "text": "Now."}, {"type": "tool_use", "id": "1", "name": "Grab", "input": {"item": "cup"}}, {"type": "tool_use", "id": "2", "name": "Open", "input": {"thing": "box"}}]}"#,
+        r#"{"candidates": [{"content": {"parts": [{"functionCall": {"name": "Grab", "args": {"item": "cup"}}}, {"functionCall": {"name": "Open", "args": {"thing": "box"}}}]}}]}"#,
+        r#"[{"action": "Grab", "item": "cup", "reason": "first"}, {"action": "Open", "thing": "box"}]"#,
+        "[Grab(item=\"cup\"), Open(thing=\"box\")]",
+    ] {
+        let expected = "Grab() [(\"item\", \"cup\")]; Open() [(\"thing\", \"box\")]";
+        assert_eq!(named(reply), expected, "{reply}");
+    }
+}
+
+#[test]
+fn virtualhome_entities_have_the_numbers_of_their_nodes() {
+    for line in [
+        "[GRAB] <soap> (1.1002)",
+        "[GRAB] <soap> (1002) [0]",
+        "<char0> [GRAB] <soap> (1002)",
+    ] {
+        check(line, "GRAB(<soap_1002>) [Notation(\"a VirtualHome script\")]");
+    }
+    check(
+        "<char0> [walk] <pot> (3)\n<char1> [walk] <pot> (3)",
+        "line 2, column 1: this line is for another character, and a plan is read for one",
+    );
+    check(
+        "[WALK] <pot> (3)\n[GRAB] <pot> (x)",
+        "line 2, column 1: this is no step, unlike what is listed beside it: \"[GRAB] <pot> (x)\"",
+    );
+}
+
+#[test]
+fn thoughts_are_not_read() {
+    check(&format!("<think>{OTHER}</think>\n{PLAN}"), "a(); b(); A; B [Thoughts]");
+    check(&format!("So {OTHER}?</think>{PLAN}"), "a(); b(); A; B [Thoughts]");
+    check(
+        &format!("<|channel|>analysis<|message|>{OTHER}<|end|><|channel|>final<|message|>{PLAN}"),
+        "a(); b(); A; B [Thoughts]",
+    );
+    check(&format!("<think></think>{PLAN}"), "a(); b(); A; B [Thoughts]");
+    check(
+        &format!("<think>{PLAN}"),
+        "the reply has thoughts only, and no answer behind them",
+    );
+}
+
+#[test]
+fn two_readings_are_refused() {
+    check(
+        "1. Open(<box>)\n2. Grab(<cup>)\n```json\n{\"plan\": [\"Grab(<cup>)\"]}\n```",
+        "the reply can be read in two ways that are not the same: as JSON at line 4, column 1, and as a list of calls at line 1, column 1",
+    );
+    check(
+        "1. Grab(<cup>)\n\n1. Open(<box>)\n2. Grab(<cup>)",
+        "the reply holds 2 plans that are not the same, at line 1, column 1 and line 3, column 1",
+    );
+    check(
+        "1. Open(<box>)\n2. take the cup\n3. Close(<box>)",
+        "line 2, column 1: this is no step, unlike what is listed beside it: \"2. take the cup\"",
+    );
+    check(
+        "```\n1. Open(<box>)\n2. Gra",
+        "line 3, column 1: this is no step, unlike what is listed beside it: \"2. Gra\"",
+    );
+    check(
+        "```\n1. Open(<box>)\n",
+        "line 3, column 1: the reply breaks off; the object that begins at line 1, column 1 does not end",
+    );
+    // Goals, states and remarks are no steps.
+    for text in [
+        r#"{"goals": ["put(<cup>, <desk>)"]}"#,
+        r#"{"environment": {"object_states": {"<cup>": ["on(<desk>)"]}, "objects": ["<cup>"]}}"#,
+        "Open(<box>) is needed first.",
+        "The plan `Grab(<cup>)` fails.",
+        "- Never: Open(<box>)",
+        "a: &a [\"Open(<box>)\"]\nplan: *a",
+    ] {
+        assert!(read(text).is_err(), "{text}");
+    }
+    check(
+        "<root BTCPP_format=\"4\"><BehaviorTree ID=\"Main\"><Grab/></BehaviorTree></root>",
+        "this is a behaviour tree in XML, which is not read as a plan",
+    );
 }

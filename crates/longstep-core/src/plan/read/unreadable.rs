@@ -7,6 +7,11 @@ use crate::plan::{ScriptError, TreeError};
 /// Maximum length of a reply in bytes. The longest recorded reply has fewer than 4,000.
 pub(super) const LARGEST: usize = 1 << 20;
 
+/// The notations in which plans are read, as a hint for a text in none of them.
+const NOTATIONS_READ: &str = "a plan is JSON or a Python literal with `task_cohesion`, a list of calls or of objects with `action` under \
+    `plan` or `steps`, tool calls, YAML, a script, a list or table of calls such as `Open(<fridge>)`, a VirtualHome script, or what a planner \
+    prints (docs/verification.md); for a refusal, show what it says to the person";
+
 /// Reasons why a reply contains no readable plan. The reader never completes a plan and never chooses between plans.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -59,6 +64,45 @@ pub enum Unreadable {
         first: Position,
         /// Position of the first plan that differs from it.
         other: Position,
+    },
+    /// The reply can be read in two notations, with different plans.
+    #[error("the reply can be read in two ways that are not the same: as {} at {}, and as {} at {}", .first, at(.position), .other, at(.other_position))]
+    SeveralReadings {
+        /// The first notation.
+        first: &'static str,
+        /// Position of the plan in the first notation.
+        position: Position,
+        /// The other notation.
+        other: &'static str,
+        /// Position of the plan in the other notation.
+        other_position: Position,
+    },
+    /// An entry of a list of steps is no step.
+    #[error("{}: this is no step, unlike what is listed beside it: \"{text}\"", at(.position))]
+    NoStep {
+        /// Position of the entry.
+        position: Position,
+        /// Beginning of the entry.
+        text: String,
+    },
+    /// A text inside of the reply has a plan that cannot be read.
+    #[error("{}: in `{path}`, {error}", at(.position))]
+    Inside {
+        /// Position of the text.
+        position: Position,
+        /// Path of the text.
+        path: Path,
+        /// The error, with its position in the text.
+        error: Box<Unreadable>,
+    },
+    /// The reply ends before its thoughts do, or has nothing else.
+    #[error("the reply has thoughts only, and no answer behind them")]
+    OnlyThoughts,
+    /// The text is in a notation that has plans and is not read.
+    #[error("this is {what}, which is not read as a plan")]
+    Foreign {
+        /// The notation.
+        what: &'static str,
     },
     /// The plan is neither JSON nor a Python literal.
     #[error("{}: {message}", at(.position))]
@@ -114,8 +158,11 @@ impl Unreadable {
         match self {
             Self::Empty => "ask again; if it stays empty, look at the model's token limit and content filter",
             Self::TooLarge { .. } | Self::TooDeep { .. } => "ask again for the plan alone",
-            Self::Refusal { .. } => "show what it says to the person, or ask again for the plan as one JSON object",
-            Self::NoPlan { .. } => "ask again for an object with `task_cohesion` and its `task_sequence`",
+            Self::Refusal { .. } | Self::NoPlan { .. } | Self::Foreign { .. } => NOTATIONS_READ,
+            Self::OnlyThoughts => "raise the limit on the length of the answer, or turn the model's thinking off",
+            Self::SeveralReadings { .. } => "keep the plan that is meant, and take the other out",
+            Self::NoStep { .. } => "write a call of an action there, as in `Open(<fridge>)`, or take the entry out",
+            Self::Inside { error, .. } => error.hint(),
             Self::CutOff { .. } => "raise the limit on the length of the answer, or ask for fewer steps at a time",
             Self::SeveralPlans { .. } => "ask which of the plans is meant, or ask again for one object",
             Self::Malformed { .. } => "ask again for strict JSON, and say what is wrong",

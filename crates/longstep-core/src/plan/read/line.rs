@@ -1,0 +1,281 @@
+//! One line with a step: its marks, its calls, and its explanation.
+
+use crate::call::{Call, unquoted};
+use crate::plan::{WrittenStep, script};
+
+/// The forms of lines with steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    Bare,
+    Bullet,
+    Number,
+    Table,
+    VirtualHome,
+}
+
+/// A line with at least one step.
+#[derive(Debug)]
+pub(super) struct Line {
+    pub(super) form: Form,
+    pub(super) indentation: usize,
+    /// The number of an entry of a list.
+    pub(super) number: Option<u32>,
+    pub(super) steps: Vec<WrittenStep>,
+    /// The character of a line of a VirtualHome script.
+    pub(super) character: Option<String>,
+}
+
+impl Form {
+    /// Returns the name of the notation, for people.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Bare => "calls on lines of their own",
+            Self::Bullet => "a list of calls",
+            Self::Number => "a numbered list",
+            Self::Table => "a Markdown table",
+            Self::VirtualHome => "a VirtualHome script",
+        }
+    }
+
+    /// Returns the form, the indentation and the number of an entry of a list, of a row, or of a line of a VirtualHome script,
+    /// whether it has a step or not; none for other lines.
+    pub(super) fn of_line(line: &str) -> Option<(Self, usize, Option<u32>)> {
+        let indentation = line.len() - line.trim_start().len();
+        let bare = line.trim();
+        let is_rule = bare.chars().all(|c| matches!(c, '|' | '-' | ':' | ' '));
+        let begins_verb = bare.starts_with('[') || bare.starts_with("<char");
+        let form = match marks(bare) {
+            _ if bare.starts_with('|') => (!is_rule).then_some((Self::Table, None))?,
+            _ if begins_verb => (Self::VirtualHome, None),
+            (Self::Bare, ..) => return None,
+            (form, number, _) => (form, number),
+        };
+        Some((form.0, indentation, form.1))
+    }
+}
+
+impl Line {
+    /// Reads a line; none if it has no step, or words beside it that are no explanation.
+    pub(super) fn read(line: &str) -> Option<Self> {
+        let indentation = line.len() - line.trim_start().len();
+        let bare = line.trim();
+        let of = |form, number, steps| Self {
+            form,
+            indentation,
+            number,
+            steps,
+            character: None,
+        };
+        if let Some(row) = bare.strip_prefix('|') {
+            let mut cells = row.split('|').filter_map(steps);
+            let only = cells.next()?;
+            return cells.next().is_none().then(|| of(Form::Table, None, only));
+        }
+        let (form, number, rest) = marks(bare);
+        if let Some((character, step)) = virtualhome(rest) {
+            return Some(Self {
+                character,
+                ..of(Form::VirtualHome, number, vec![step])
+            });
+        }
+        let explained = || steps_behind_words(rest).filter(|_| form == Form::Number);
+        Some(of(form, number, steps(rest).or_else(explained)?))
+    }
+}
+
+/// Reads the text of one step, as it stands in a list of texts: a call, a line of a VirtualHome script, or `(action argument ...)`.
+pub(super) fn step_of_text(text: &str) -> Option<WrittenStep> {
+    if let Some(step) = bracketed_step(text.trim()) {
+        return Some(step);
+    }
+    let mut line = Line::read(text).filter(|_| !text.trim().contains('\n'))?;
+    let only = line.steps.pop()?;
+    line.steps.is_empty().then_some(only)
+}
+
+/// Reads a step as planners write it.
+fn bracketed_step(text: &str) -> Option<WrittenStep> {
+    let inside = text.strip_prefix('(')?.strip_suffix(')')?;
+    let mut words = inside.split_whitespace();
+    let step = Call::parse(words.next()?).ok()?;
+    let arguments: Vec<String> = words.map(str::to_owned).collect();
+    let is_plain = !inside.contains(['(', ')', ',', '"']);
+    is_plain.then(|| WrittenStep {
+        call: Call { arguments, ..step },
+        implicit: Vec::new(),
+        explanation: String::new(),
+    })
+}
+
+/// Marks of emphasis and quotes around a step.
+fn is_emphasis(c: char) -> bool {
+    matches!(c, '*' | '`' | '"' | '\'' | '“' | '”' | '‘' | '’') || c.is_whitespace()
+}
+
+/// Splits the marks of a list off a line: its form, its number, and the rest.
+fn marks(line: &str) -> (Form, Option<u32>, &str) {
+    let mut rest = line.trim_start_matches(['#', '>', ' ']);
+    let mut form = Form::Bare;
+    if let Some(entry) = ["- ", "* ", "+ ", "• ", "– "]
+        .iter()
+        .find_map(|mark| rest.strip_prefix(mark))
+    {
+        form = Form::Bullet;
+        rest = ["[ ]", "[x]", "[X]"]
+            .iter()
+            .fold(entry, |rest, mark| rest.strip_prefix(mark).unwrap_or(rest));
+    }
+    let bold = rest.trim_start_matches(is_emphasis);
+    // `Step 1:`, in any language.
+    let word = bold.trim_start_matches(char::is_alphabetic);
+    let counted = match word.len() < bold.len() {
+        true => word.strip_prefix(' ').map(str::trim_start),
+        false => Some(bold.strip_prefix('(').unwrap_or(bold)),
+    };
+    let number = counted.and_then(|counted| {
+        let digits = counted.trim_start_matches(|c: char| c.is_ascii_digit());
+        let number = counted[..counted.len() - digits.len()].parse().ok()?;
+        let end = digits.trim_start_matches(is_emphasis);
+        let end = end.strip_prefix(['.', ')', ':', '-', '–', '—'])?;
+        Some((number, end.trim_start_matches(is_emphasis)))
+    });
+    if let Some((number, rest)) = number {
+        return (Form::Number, Some(number), rest);
+    }
+    // The format of agents that reason and act by turns.
+    (form, None, rest.strip_prefix("Action:").unwrap_or(rest))
+}
+
+/// Reads the calls of a part of a line, with an explanation behind them.
+fn steps(part: &str) -> Option<Vec<WrittenStep>> {
+    let mut rest = part.trim_matches(is_emphasis);
+    if let Some(inside) = rest.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+        rest = inside.trim_matches(is_emphasis);
+    }
+    let mut steps: Vec<WrittenStep> = Vec::new();
+    loop {
+        let length = call_length(rest)?;
+        steps.push(call(&rest[..length])?);
+        rest = rest[length..].trim_start_matches(is_emphasis);
+        if rest.is_empty() {
+            return Some(steps);
+        }
+        let next = ["->", "→", ",", ";"].iter().find_map(|sign| rest.strip_prefix(sign));
+        let next = next.map(|next| next.trim_start_matches(is_emphasis));
+        match next {
+            Some(next) if call_length(next).is_some() => rest = next,
+            _ => break,
+        }
+    }
+    let words = match rest.strip_prefix([',', '.']) {
+        Some(behind) => behind.trim().is_empty().then_some("")?,
+        None => EXPLANATION_SIGNS.iter().find_map(|sign| rest.strip_prefix(sign))?,
+    };
+    let words = words.trim().trim_end_matches(['*', '`', ')']).trim();
+    steps.last_mut()?.explanation = words.to_owned();
+    Some(steps)
+}
+
+/// Signs between a step and its explanation.
+const EXPLANATION_SIGNS: [&str; 11] = ["->", "=>", "→", "–", "—", "-", ":", "#", "//", ";", "("];
+
+/// Reads the steps of an entry with words before them: `1. Go to the desk: Walk(<desk>)`.
+fn steps_behind_words(entry: &str) -> Option<Vec<WrittenStep>> {
+    let signs = [": ", " – ", " — ", " - ", " → ", " -> "];
+    let places = signs.iter().flat_map(|sign| entry.match_indices(sign));
+    let (words, mut steps) = places
+        .filter_map(|(at, sign)| Some((&entry[..at], steps(&entry[at + sign.len()..])?)))
+        .next()?;
+    if let [only] = &mut steps[..]
+        && only.explanation.is_empty()
+    {
+        only.explanation = words.trim_matches(is_emphasis).to_owned();
+    }
+    Some(steps)
+}
+
+/// Returns the length of the call at the beginning of a text.
+fn call_length(text: &str) -> Option<usize> {
+    let name = text.trim_start_matches(|c: char| c.is_alphanumeric() || matches!(c, '_' | '-'));
+    let begin = text.len() - name.len();
+    if !text.starts_with(char::is_alphabetic) || !name.starts_with('(') {
+        return None;
+    }
+    let mut depth = 0_usize;
+    for (at, letter) in unquoted(name) {
+        match letter {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return Some(begin + at + 1);
+        }
+    }
+    None
+}
+
+/// Reads a call, with quotes and names of parameters as in a script.
+fn call(text: &str) -> Option<WrittenStep> {
+    if let Ok(mut written) = script::read(text)
+        && written.is_sequence()
+        && written.steps.len() == 1
+    {
+        return written.steps.pop();
+    }
+    // Names with signs that scripts do not have.
+    let call = Call::parse(text).ok()?;
+    Some(WrittenStep {
+        call,
+        implicit: Vec::new(),
+        explanation: String::new(),
+    })
+}
+
+/// Reads a line of a VirtualHome script, with its character: `[GRAB] <soap> (1.1002)` of the data set, `[WALK] <kitchen> (205) [0]`,
+/// or `<char0> [putback] <pot> (3) <table> (5)` of the simulator. An entity is named by its class and the number of its node.
+fn virtualhome(line: &str) -> Option<(Option<String>, WrittenStep)> {
+    let mut rest = line.trim().trim_matches('`');
+    let mut character = None;
+    if let Some(named) = rest.strip_prefix("<char") {
+        let (number, behind) = named.split_once('>').filter(|(number, _)| is_digits(number))?;
+        character = Some(number.to_owned());
+        rest = behind.trim_start();
+    }
+    let (verb, behind) = rest.strip_prefix('[')?.split_once(']')?;
+    let is_verb = !verb.is_empty() && verb.chars().all(|c| c.is_alphabetic() || c == '_');
+    rest = behind.trim();
+    let mut arguments = Vec::new();
+    while let Some(class) = rest.strip_prefix('<') {
+        let (class, behind) = class.split_once('>')?;
+        rest = behind.trim_start();
+        let mut name = class.trim().to_owned();
+        if let Some(number) = rest.strip_prefix('(') {
+            let (number, behind) = number.split_once(')')?;
+            // In the data set, the number of the node stands behind the number of the object in the script.
+            let node = number.rsplit('.').next().filter(|node| is_digits(node))?;
+            name = format!("{name}_{node}");
+            rest = behind.trim_start();
+        }
+        arguments.push(format!("<{name}>"));
+    }
+    if let Some(index) = rest.strip_prefix('[') {
+        let (index, behind) = index.split_once(']').filter(|(index, _)| is_digits(index))?;
+        character.get_or_insert(index.to_owned());
+        rest = behind.trim();
+    }
+    let is_sure = !arguments.is_empty() || character.is_some() || verb.chars().all(char::is_uppercase);
+    (is_verb && is_sure && rest.is_empty()).then(|| {
+        let name = verb.to_owned();
+        let step = WrittenStep {
+            call: Call { name, arguments },
+            implicit: Vec::new(),
+            explanation: String::new(),
+        };
+        (character, step)
+    })
+}
+
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}

@@ -1,0 +1,196 @@
+//! Steps on lines of their own: lists, tables, and VirtualHome scripts.
+
+use super::line::{Form, Line};
+use super::objects::beginning;
+use super::unreadable::Unreadable;
+use super::{Found, around, blocks, scripts};
+use crate::call::Call;
+use crate::diagnostic::Position;
+use crate::literal::{FENCE, LeniencyKind, Notes};
+use crate::plan::WrittenStep;
+
+/// Finds steps on lines of their own; none if no line is one.
+pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
+    let mut groups = Groups::default();
+    groups.read(text)?;
+    if let Some(error) = groups.error(text) {
+        return Some(Err(error));
+    }
+    let mut groups = groups.done.into_iter();
+    let first = groups.next()?;
+    let mut notes = Notes::default();
+    notes.add(LeniencyKind::Notation(first.form.name()), first.start);
+    around(text, 0..first.start, &mut notes);
+    first.words.iter().for_each(|at| notes.add(LeniencyKind::Prose, *at));
+    let mut read_to = first.end;
+    for group in groups {
+        around(text, read_to..group.start, &mut notes);
+        notes.add(LeniencyKind::RepeatedPlan, group.start);
+        read_to = group.end;
+    }
+    around(text, read_to..text.len(), &mut notes);
+    Some(Ok(Found::of_steps(first.steps, first.start, notes)))
+}
+
+/// Steps that stand together: in one code block, or in one count of numbers. Places are byte offsets.
+struct Group {
+    steps: Vec<WrittenStep>,
+    form: Form,
+    /// The begin of its first line and the end of its last one.
+    start: usize,
+    end: usize,
+    indentation: usize,
+    /// The number of its last line.
+    number: Option<u32>,
+    /// Lines with words between its steps.
+    words: Vec<usize>,
+    /// The character of a VirtualHome script.
+    character: Option<String>,
+}
+
+/// The steps of a text, and what keeps them from being a plan.
+#[derive(Default)]
+struct Groups {
+    done: Vec<Group>,
+    open: Option<Group>,
+    /// Lines with words behind the last step.
+    words: Vec<usize>,
+    /// An entry behind the last step that is none, which is a mistake if a step follows.
+    doubtful: Option<(usize, String)>,
+    no_step: Option<(usize, String)>,
+    second_character: Option<usize>,
+    /// A code block with steps that does not end.
+    cut_off: Option<usize>,
+    /// True if the last line belonged to the open group.
+    is_next: bool,
+}
+
+impl Groups {
+    /// Reads all lines; none if they are code.
+    fn read(&mut self, text: &str) -> Option<()> {
+        let is_code = |part: &str| scripts::is_meant(part);
+        let code: Vec<_> = match text.contains(FENCE) {
+            true => blocks(text)
+                .map(|block| block.inside)
+                .filter(|inside| is_code(&text[inside.clone()]))
+                .collect(),
+            false => std::iter::once(0..text.len()).filter(|_| is_code(text)).collect(),
+        };
+        let mut fence = None;
+        let mut at = 0;
+        for line in text.split_inclusive('\n') {
+            let start = at;
+            at += line.len();
+            let bare = line.trim();
+            if bare.starts_with(FENCE) {
+                fence = fence.xor(Some(start));
+                self.close();
+            } else if bare.is_empty() {
+                self.is_next = false;
+            } else if let Some(read) = Line::read(line) {
+                self.add(read, start..at);
+            } else if code.iter().any(|code| code.contains(&start)) {
+                if !bare.starts_with('#') {
+                    return None;
+                }
+            } else {
+                self.add_words(line, start);
+            }
+        }
+        self.cut_off = fence.filter(|fence| self.open.as_ref().is_some_and(|open| open.start > *fence));
+        self.close();
+        Some(())
+    }
+
+    fn close(&mut self) {
+        self.done.extend(self.open.take());
+        self.words.clear();
+        self.doubtful = None;
+        self.is_next = false;
+    }
+
+    fn add(&mut self, line: Line, place: std::ops::Range<usize>) {
+        let begins_again = |open: &Group| {
+            line.number
+                .is_some_and(|number| open.number.is_some_and(|last| number <= last))
+        };
+        if self.open.as_ref().is_some_and(begins_again) {
+            self.close();
+        }
+        let open = self.open.get_or_insert_with(|| Group {
+            steps: Vec::new(),
+            form: line.form,
+            start: place.start,
+            end: place.end,
+            indentation: line.indentation,
+            number: None,
+            words: Vec::new(),
+            character: line.character.clone(),
+        });
+        open.steps.extend(line.steps);
+        open.end = place.end;
+        open.number = line.number;
+        open.words.append(&mut self.words);
+        if open.character != line.character {
+            self.second_character.get_or_insert(place.start);
+        }
+        if let Some(doubtful) = self.doubtful.take() {
+            self.no_step.get_or_insert(doubtful);
+        }
+        self.is_next = true;
+    }
+
+    /// Adds a line without a step: words, or an entry of the open list.
+    fn add_words(&mut self, line: &str, at: usize) {
+        let Some(open) = &self.open else { return };
+        let entry =
+            Form::of_line(line).filter(|(form, indentation, _)| *form == open.form && *indentation == open.indentation);
+        let Some((form, _, number)) = entry else {
+            self.words.push(at);
+            self.is_next = false;
+            return;
+        };
+        let found = (at, beginning(line));
+        let follows = number.is_some() && number == open.number.map(|last| last + 1);
+        if follows || self.is_next || form == Form::VirtualHome {
+            self.no_step.get_or_insert(found);
+        } else {
+            self.doubtful.get_or_insert(found);
+        }
+    }
+
+    /// Returns the first reason why the steps are no plan.
+    fn error(&self, text: &str) -> Option<Unreadable> {
+        let position = |at: usize| Position::of(text, at);
+        let first = self.done.first()?;
+        if let Some((at, line)) = &self.no_step {
+            return Some(Unreadable::NoStep {
+                position: position(*at),
+                text: line.clone(),
+            });
+        }
+        if let Some(at) = self.second_character {
+            return Some(Unreadable::Malformed {
+                position: position(at),
+                message: "this line is for another character, and a plan is read for one".to_owned(),
+            });
+        }
+        if let Some(opened) = self.cut_off {
+            return Some(Unreadable::CutOff {
+                position: position(text.len()),
+                opened: position(opened),
+            });
+        }
+        let calls = |group: &Group| -> Vec<(Call, Vec<(String, String)>)> {
+            let steps = group.steps.iter();
+            steps.map(|step| (step.call.clone(), step.implicit.clone())).collect()
+        };
+        let same = calls(first);
+        let other = self.done.iter().find(|group| calls(group) != same)?;
+        Some(Unreadable::SeveralPlans {
+            count: self.done.len(),
+            first: position(first.start),
+            other: position(other.start),
+        })
+    }
+}

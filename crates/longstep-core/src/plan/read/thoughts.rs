@@ -1,0 +1,74 @@
+//! Thoughts of a model around its answer.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// Tags that enclose thoughts.
+const TAGS: [(&str, &str); 4] = [
+    ("<think>", "</think>"),
+    ("<thinking>", "</thinking>"),
+    ("<thought>", "</thought>"),
+    ("<reasoning>", "</reasoning>"),
+];
+
+/// The mark before the last message of an answer in channels.
+const CHANNEL: &str = "<|message|>";
+
+/// Returns the parts of a reply that are thoughts, in order. Thoughts without an opening tag begin with the reply, and thoughts
+/// without a closing tag end with it.
+fn ranges(text: &str) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    if text.contains("<|channel|>")
+        && let Some(at) = text.rfind(CHANNEL)
+    {
+        found.push(0..at + CHANNEL.len());
+    }
+    for (open, close) in TAGS {
+        let mut at = 0;
+        loop {
+            let opened = text[at..].find(open).map(|place| at + place);
+            let closed = text[at..].find(close).map(|place| at + place);
+            match (opened, closed) {
+                (Some(start), Some(end)) if start < end => {
+                    found.push(start..end + close.len());
+                    at = end + close.len();
+                }
+                (_, Some(end)) => {
+                    // A second end belongs to the thoughts before it.
+                    found.push(0..end + close.len());
+                    at = end + close.len();
+                }
+                (Some(start), None) => {
+                    found.push(start..text.len());
+                    break;
+                }
+                (None, None) => break,
+            }
+        }
+    }
+    found
+}
+
+/// Returns the text with blanks in place of the thoughts, and of the same length, with the place of the first of them.
+pub(super) fn blanked(text: &str) -> (Cow<'_, str>, Option<usize>) {
+    let ranges = ranges(text);
+    let first = ranges.iter().map(|range| range.start).min();
+    (blank(text, &ranges), first)
+}
+
+/// Returns the text with blanks in place of some parts; line breaks and the length stay.
+pub(super) fn blank<'t>(text: &'t str, parts: &[Range<usize>]) -> Cow<'t, str> {
+    if parts.is_empty() {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = text.to_owned().into_bytes();
+    for part in parts {
+        for byte in &mut shown[part.clone()] {
+            if *byte != b'\n' {
+                *byte = b' ';
+            }
+        }
+    }
+    // Whole characters were replaced, so the text is still UTF-8.
+    Cow::Owned(String::from_utf8(shown).unwrap_or_default())
+}
