@@ -1,6 +1,7 @@
 //! The forms in which detectors and simulators write points, orientations and boxes.
 
 use std::fmt;
+use std::marker::PhantomData;
 
 use serde::de::{MapAccess, SeqAccess, Visitor, value};
 use serde::{Deserialize, Deserializer};
@@ -62,57 +63,114 @@ impl<'de> Deserialize<'de> for Orientation {
             y: f64,
             z: f64,
         }
-        struct Written;
-        impl<'de> Visitor<'de> for Written {
-            type Value = Orientation;
-
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a quaternion: an object with w, x, y and z, or a list of four numbers")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-                let Parts { w, x, y, z } = Parts::deserialize(value::MapAccessDeserializer::new(map))?;
-                Ok(Orientation::new([w, x, y, z]))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Self::Value, A::Error> {
-                Ok(Orientation {
-                    parts: Deserialize::deserialize(value::SeqAccessDeserializer::new(sequence))?,
-                    is_listed: true,
-                })
+        impl From<Parts> for [f64; 4] {
+            fn from(Parts { w, x, y, z }: Parts) -> Self {
+                [w, x, y, z]
             }
         }
-        deserializer.deserialize_any(Written)
+        let expected = "a quaternion: an object with w, x, y and z, or a list of four numbers";
+        let (parts, is_listed) = numbers::<D, Parts, 4>(deserializer, expected)?;
+        Ok(Self { parts, is_listed })
     }
 }
 
 /// Reads a point or three lengths: a list, or an object with x, y and z.
 pub(super) fn vector<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vector, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(deny_unknown_fields)]
-    struct Axes {
-        x: f64,
-        y: f64,
-        z: f64,
+    let expected = "three numbers: a list, or an object with x, y and z";
+    numbers::<D, Axes, 3>(deserializer, expected).map(|(vector, _)| vector)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Axes {
+    x: f64,
+    y: f64,
+    z: f64,
+}
+
+impl From<Axes> for Vector {
+    fn from(Axes { x, y, z }: Axes) -> Self {
+        [x, y, z]
     }
-    struct Written;
-    impl<'de> Visitor<'de> for Written {
-        type Value = Vector;
+}
+
+/// Reads numbers that are a list, or an object `O` with a name for each. Returns true for a list.
+fn numbers<'de, D, O, const N: usize>(deserializer: D, expected: &'static str) -> Result<([f64; N], bool), D::Error>
+where
+    D: Deserializer<'de>,
+    O: Deserialize<'de> + Into<[f64; N]>,
+    [f64; N]: Deserialize<'de>,
+{
+    struct Written<O, const N: usize>(&'static str, PhantomData<O>);
+    impl<'de, O, const N: usize> Visitor<'de> for Written<O, N>
+    where
+        O: Deserialize<'de> + Into<[f64; N]>,
+        [f64; N]: Deserialize<'de>,
+    {
+        type Value = ([f64; N], bool);
 
         fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-            formatter.write_str("three numbers: a list, or an object with x, y and z")
+            formatter.write_str(self.0)
         }
 
         fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-            let Axes { x, y, z } = Axes::deserialize(value::MapAccessDeserializer::new(map))?;
-            Ok([x, y, z])
+            Ok((O::deserialize(value::MapAccessDeserializer::new(map))?.into(), false))
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Self::Value, A::Error> {
-            Deserialize::deserialize(value::SeqAccessDeserializer::new(sequence))
+            Ok((
+                Deserialize::deserialize(value::SeqAccessDeserializer::new(sequence))?,
+                true,
+            ))
         }
     }
-    deserializer.deserialize_any(Written)
+    deserializer.deserialize_any(Written::<O, N>(expected, PhantomData))
+}
+
+/// A box as `bbox` writes it: its centre, with or without an orientation, and its size.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Volume {
+    #[serde(alias = "centre")]
+    center: Center,
+    #[serde(alias = "dimensions", deserialize_with = "vector")]
+    size: Vector,
+    #[serde(default)]
+    orientation: Option<Orientation>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Center {
+    Pose(Pose),
+    Point(#[serde(deserialize_with = "vector")] Vector),
+}
+
+impl Volume {
+    /// Returns the position, the orientation, if there is one, and the size.
+    pub(super) fn parts(self) -> (Vector, Option<Orientation>, Vector) {
+        match self.center {
+            Center::Pose(Pose { position, orientation }) => (position, Some(orientation), self.size),
+            Center::Point(position) => (position, self.orientation, self.size),
+        }
+    }
+}
+
+/// Returns true if a text has boxes of a picture: corners or a list of four numbers, in pixels.
+pub(super) fn is_picture(text: &str) -> bool {
+    let compact: String = text.split_whitespace().collect();
+    [
+        "\"x1\"",
+        "\"xmin\"",
+        "\"x_min\"",
+        "xyxy",
+        "xywh",
+        "\"bbox\":[",
+        "\"box\":[",
+        "box_2d",
+    ]
+    .iter()
+    .any(|sign| compact.contains(sign))
 }
 
 /// `vision_msgs/Detection3DArray` as JSON.
@@ -125,7 +183,7 @@ struct Detections {
 struct Detection {
     #[serde(default)]
     results: Vec<Hypothesis>,
-    bbox: BoundingBox,
+    bbox: Volume,
 }
 
 #[derive(Deserialize)]
@@ -141,16 +199,11 @@ struct Class {
 }
 
 #[derive(Deserialize)]
-struct BoundingBox {
-    center: Pose,
-    #[serde(deserialize_with = "vector")]
-    size: Vector,
-}
-
-#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Pose {
     #[serde(deserialize_with = "vector")]
     position: Vector,
+    #[serde(default)]
     orientation: Orientation,
 }
 
@@ -168,11 +221,12 @@ pub(super) fn detections(text: &str) -> Result<Vec<Detected>, serde_json::Error>
     let detected = |(index, own): (usize, Detection)| {
         let classes = own.results.into_iter().map(|own| own.hypothesis);
         let best = classes.max_by(|one, other| one.score.total_cmp(&other.score));
+        let (position, orientation, size) = own.bbox.parts();
         Detected {
             name: best.map_or_else(|| format!("thing {}", index + 1), |own| own.class_id),
-            position: own.bbox.center.position,
-            orientation: own.bbox.center.orientation,
-            size: own.bbox.size,
+            position,
+            orientation: orientation.unwrap_or_default(),
+            size,
         }
     };
     Ok(detections.into_iter().enumerate().map(detected).collect())

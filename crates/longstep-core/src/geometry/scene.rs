@@ -3,7 +3,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Deserialize;
 
-use super::forms::{Detected, Orientation, QuaternionOrder, Vector, detections, vector};
+use super::forms::{Detected, Orientation, QuaternionOrder, Vector, Volume, detections, is_picture, vector};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::environment::Words;
 use crate::json::{Locator, Path};
@@ -24,6 +24,7 @@ const FINDINGS: usize = 100;
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// The boxes.
+    #[serde(alias = "objects")]
     pub boxes: Vec<Body>,
     /// The hands of the robot.
     #[serde(default)]
@@ -38,46 +39,110 @@ pub struct Scene {
 
 /// A named box.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "WrittenBody")]
 pub struct Body {
     /// The identifier in the environment. Names without brackets that several boxes have are numbered.
     pub name: String,
     /// The centre.
-    #[serde(deserialize_with = "vector")]
     pub position: Vector,
     /// The orientation; by default the box is parallel to the axes.
-    #[serde(default)]
     pub orientation: Orientation,
     /// The lengths of the edges along the axes of the box.
-    #[serde(deserialize_with = "vector")]
     pub size: Vector,
     /// How sure a detector is; nothing depends on it.
-    #[serde(default, alias = "confidence")]
     pub score: Option<f64>,
     /// The list of the environment. By default what is on, in or held by something is an object.
-    #[serde(default)]
     pub kind: Option<Kind>,
     /// The type in the domain, where it is more precise than that of the list.
-    #[serde(default, rename = "type")]
     pub type_name: Option<String>,
     /// The box of which this one is a part, such as the fridge of a handle.
-    #[serde(default)]
     pub part_of: Option<String>,
     /// True if nothing can be inside.
-    #[serde(default)]
     pub solid: bool,
     /// The state of something that opens, where it is known.
-    #[serde(default)]
     pub open: Option<bool>,
     /// The joint of something that opens; an alternative to `open`.
-    #[serde(default)]
     pub joint: Option<Joint>,
     /// Properties in the words of the domain.
-    #[serde(default)]
     pub properties: Vec<String>,
     /// Further states in the words of the domain.
-    #[serde(default)]
     pub states: Vec<String>,
+}
+
+/// A box as a file writes it: with `position` and `size`, or with `bbox`.
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a box: an object with `name`, `position` and `size`"
+)]
+struct WrittenBody {
+    #[serde(alias = "label", alias = "class_name")]
+    name: String,
+    #[serde(default, alias = "center", alias = "centre", deserialize_with = "some_vector")]
+    position: Option<Vector>,
+    #[serde(default)]
+    orientation: Option<Orientation>,
+    #[serde(default, alias = "dimensions", deserialize_with = "some_vector")]
+    size: Option<Vector>,
+    #[serde(default)]
+    bbox: Option<Volume>,
+    #[serde(default, alias = "confidence")]
+    score: Option<f64>,
+    #[serde(default)]
+    kind: Option<Kind>,
+    #[serde(default, rename = "type")]
+    type_name: Option<String>,
+    #[serde(default)]
+    part_of: Option<String>,
+    #[serde(default)]
+    solid: bool,
+    #[serde(default)]
+    open: Option<bool>,
+    #[serde(default)]
+    joint: Option<Joint>,
+    #[serde(default)]
+    properties: Vec<String>,
+    #[serde(default)]
+    states: Vec<String>,
+}
+
+fn some_vector<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Vector>, D::Error> {
+    vector(deserializer).map(Some)
+}
+
+impl TryFrom<WrittenBody> for Body {
+    type Error = &'static str;
+
+    fn try_from(own: WrittenBody) -> Result<Self, Self::Error> {
+        let (position, orientation, size) = match (own.position, own.size, own.bbox) {
+            (Some(position), Some(size), None) => (position, own.orientation, size),
+            (None, None, Some(volume)) => {
+                let (position, orientation, size) = volume.parts();
+                if orientation.is_some() && own.orientation.is_some() {
+                    return Err("`orientation` is given twice, inside and outside of `bbox`");
+                }
+                (position, orientation.or(own.orientation), size)
+            }
+            (_, _, Some(_)) => return Err("give `bbox`, or `position` and `size`, not both"),
+            (None, _, None) => return Err("missing field `position`"),
+            (Some(_), None, None) => return Err("missing field `size`"),
+        };
+        Ok(Self {
+            name: own.name,
+            position,
+            orientation: orientation.unwrap_or_default(),
+            size,
+            score: own.score,
+            kind: own.kind,
+            type_name: own.type_name,
+            part_of: own.part_of,
+            solid: own.solid,
+            open: own.open,
+            joint: own.joint,
+            properties: own.properties,
+            states: own.states,
+        })
+    }
 }
 
 /// The list of an environment.
@@ -108,6 +173,7 @@ pub struct Hand {
     /// The identifier, for domains with several hands.
     pub name: String,
     /// The point between the fingers.
+    #[serde(deserialize_with = "vector")]
     pub position: Vector,
     /// True if the fingers are closed around something.
     pub closed: bool,
@@ -166,12 +232,19 @@ impl Scene {
         let mut scene: Self = read.map_err(|error| {
             let (line, column) = (error.line() as u32, error.column().max(1) as u32);
             let full = error.to_string();
-            let message = full
+            let reason = full
                 .strip_suffix(&format!(" at line {line} column {}", error.column()))
                 .unwrap_or(&full);
-            let hint = match text.contains("\"x1\"") || text.contains("xyxy") || text.contains("xywh") {
-                true => "boxes of a picture, in pixels, have no pose; give each a `position` and a `size` in metres, or pass the picture; see docs/seeing.md",
-                false => "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/seeing.md",
+            let (message, hint) = match is_picture(text) {
+                true => (
+                    "boxes of a picture, in pixels, have no position and no size in space",
+                    "give each a `position` and a `size` in metres, from a depth camera for example, or pass the picture itself; see \
+                     docs/seeing.md",
+                ),
+                false => (
+                    reason,
+                    "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/seeing.md",
+                ),
             };
             Diagnostics(vec![
                 Diagnostic::at(file, Position { line, column }, message).hint(hint),
