@@ -118,6 +118,12 @@ pub enum RobotError {
         /// The message of the bridge.
         reason: String,
     },
+    /// The bridge passes no message on while a goal is under way: no heartbeat reaches the robot, and no cancellation.
+    #[error("the bridge passes nothing on while a goal is under way: {reason}")]
+    Blocked {
+        /// The sign of it: a parameter of the bridge, or heartbeats that did not come back.
+        reason: String,
+    },
     /// Another program drives the robot. Nothing was sent.
     #[error("another program drives the robot `{robot}`")]
     InUse {
@@ -187,6 +193,10 @@ impl RobotError {
             Self::Abandoned { .. } => Some(
                 "its input has ended, and it is killed after twice its timeout for stops; wait, or end it with `kill -9 NUMBER`, then \
                  try again",
+            ),
+            Self::Blocked { .. } => Some(
+                "start rosbridge with `send_action_goals_in_new_thread:=true`, for example `ros2 launch rosbridge_server \
+                 rosbridge_websocket_launch.xml send_action_goals_in_new_thread:=true`",
             ),
             Self::UnderWay { .. } => Some("wait until it has ended, or end it at the robot, then try again"),
             Self::InUse { .. } => Some("wait for the other run to end, or stop it"),

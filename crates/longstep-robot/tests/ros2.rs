@@ -142,6 +142,10 @@ fn usual(message: &Value) -> Vec<Deed> {
         ("call_service", Some("/execute_step/_action/cancel_goal")) => {
             vec![answer(message, json!({"return_code": 2, "goals_canceling": []}))]
         }
+        ("call_service", Some("/rosbridge_websocket/get_parameters")) => vec![Deed::Send(json!({
+            "op": "service_response", "service": message["service"], "id": message["id"], "result": false,
+            "values": "Service /rosbridge_websocket/get_parameters does not exist"
+        }))],
         ("call_service", Some("/observe")) => {
             vec![answer(
                 message,
@@ -723,6 +727,102 @@ fn orders_keep_to_the_rate_and_heartbeats_are_sent() {
     let expected: Vec<u64> = (1..=beats.len() as u64).collect();
     assert!(beats.len() > 3, "{beats:?}");
     assert_eq!(beats, expected);
+}
+
+/// A bridge that keeps what it is sent until a goal has ended, as rosbridge_suite does without threads for goals. The goal is
+/// answered behind four heartbeats; `returns` says if they come back.
+fn blocked_bridge(returns: bool, end: impl Fn(&Value) -> Deed + Send + Sync + 'static) -> Bridge {
+    let goal: Mutex<Option<(Value, usize)>> = Mutex::new(None);
+    Bridge::new(move |message| {
+        let mut goal = goal.lock().unwrap();
+        match message["op"].as_str().unwrap() {
+            "send_action_goal" => {
+                *goal = Some((message.clone(), 0));
+                vec![feedback(message)]
+            }
+            "cancel_action_goal" => vec![ended(message, 5, json!({}))],
+            "publish" => {
+                let back = Deed::Send(json!({"op": "publish", "topic": message["topic"], "msg": message["msg"]}));
+                let Some((own, beats)) = goal.as_mut() else {
+                    return vec![back];
+                };
+                *beats += 1;
+                match (*beats, returns) {
+                    (4, _) => vec![end(own)],
+                    (_, true) => vec![back],
+                    (_, false) => Vec::new(),
+                }
+            }
+            _ => usual(message),
+        }
+    })
+}
+
+#[test]
+fn a_bridge_that_keeps_heartbeats_back_says_nothing_about_the_world() {
+    let aborted = |goal: &Value| ended(goal, 6, json!({"message": "no heartbeat"}));
+    let blocked = "the bridge passes nothing on while a goal is under way: step 1 ended without success, and ";
+    for (returns, bridge, expected) in [
+        (false, blocked_bridge(false, aborted), Err(blocked)),
+        (true, blocked_bridge(true, aborted), Ok("the result is")),
+        (
+            false,
+            blocked_bridge(false, |goal| ended(goal, 4, json!({}))),
+            Ok("Done"),
+        ),
+    ] {
+        let mut robot = bridge
+            .connect("[heartbeat]\ntopic = \"/heartbeat\"\nperiod = 0.02")
+            .unwrap();
+        // The first heartbeat has come back before a goal is sent.
+        let begun = Instant::now();
+        while bridge.received("publish").len() < 3 && begun.elapsed() < Duration::from_secs(20) {
+            robot.wait(Duration::from_millis(10));
+        }
+        match (performed(&mut robot, &grasp(1)), expected) {
+            (Ok(end), Ok(expected)) => assert!(format!("{end:?}").contains(expected), "{returns}: {end:?}"),
+            (Err(error), Err(expected)) => {
+                assert!(error.to_string().starts_with(expected), "{error}");
+                assert!(error.hint().unwrap().contains("send_action_goals_in_new_thread:=true"));
+            }
+            (other, _) => panic!("{returns}: {other:?}"),
+        }
+    }
+}
+
+/// What rosbridge_suite answers for its parameter.
+#[test]
+fn a_bridge_without_threads_for_goals_is_found_before_anything_is_sent() {
+    let asked = |kind: u64, value: bool| {
+        Bridge::new(move |message| match message["service"].as_str() {
+            Some("/rosbridge_websocket/get_parameters") => {
+                assert_eq!(message["args"]["names"], json!(["send_action_goals_in_new_thread"]));
+                vec![answer(
+                    message,
+                    json!({"values": [{"type": kind, "bool_value": value, "integer_value": 0}]}),
+                )]
+            }
+            _ => usual(message),
+        })
+    };
+    let expected = "the bridge passes nothing on while a goal is under way: its parameter `send_action_goals_in_new_thread` is false";
+    let blocked = asked(1, false);
+    assert_eq!(blocked.connect(SHORT).err().unwrap().to_string(), expected);
+    let found = trials(blocked.configuration(SHORT), &household(), None);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].result.clone().unwrap_err().to_string(), expected);
+    assert!(blocked.received("send_action_goal").is_empty());
+    // A bridge with the parameter, and one that does not have it (`PARAMETER_NOT_SET`).
+    for (bridge, expected) in [
+        (asked(1, true), "connected; goals have threads of their own"),
+        (
+            asked(0, false),
+            "connected; the bridge does not say if goals have threads of their own",
+        ),
+    ] {
+        let found = trials(bridge.configuration(SHORT), &household(), None);
+        assert_eq!(found[0].result, Ok(expected.to_owned()));
+    }
 }
 
 #[test]

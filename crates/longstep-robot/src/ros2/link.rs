@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::connection::{Connection, Lost, Read};
+use super::echo::Echo;
 use super::mapping::{GoalEnd, Mapping};
 use super::message::{self, Goal, Incoming, broken};
 use super::stopping::{Ended, Limits, Stopping};
@@ -45,7 +46,7 @@ pub(super) struct Link {
     /// The time at which the next order may be sent.
     next_order: Instant,
     next_beat: Instant,
-    beats: u64,
+    echo: Echo,
 }
 
 #[derive(Debug)]
@@ -79,6 +80,8 @@ struct Running {
     id: String,
     limit: Duration,
     state: Sent,
+    /// The last heartbeat before the goal.
+    mark: Option<u64>,
     feedback: VecDeque<Feedback>,
     end: Option<Progress>,
 }
@@ -114,11 +117,13 @@ impl Link {
             pinged: now,
             next_order: now,
             next_beat: now,
-            beats: 0,
+            echo: Echo::default(),
         };
         if let Some(heartbeat) = link.mapping.configuration.heartbeat.clone() {
             let id = link.next_id();
             link.send(&message::advertise(&id, &heartbeat.topic, HEARTBEAT));
+            let id = link.next_id();
+            link.send(&message::subscribe(&id, &heartbeat.topic, HEARTBEAT));
         }
         link
     }
@@ -186,6 +191,7 @@ impl Link {
             id,
             limit,
             state: Sent::No,
+            mark: None,
             feedback: VecDeque::new(),
             end: None,
         };
@@ -202,6 +208,7 @@ impl Link {
                 return;
             };
             running.state = Sent::At(now);
+            running.mark = self.echo.mark();
             let message = message::send_goal(&running.id, &running.goal);
             self.next_order = now + self.mapping.configuration.interval;
             self.send(&message);
@@ -364,12 +371,21 @@ impl Link {
             }
             Incoming::Result { id, status, values } => {
                 let mapping = Arc::clone(&self.mapping);
+                let mark = self.running(&id).and_then(|own| own.mark);
+                let kept = self.echo.kept_back(mark);
                 let Some(running) = self.running(&id).filter(|own| own.end.is_none()) else {
                     return Err(broken(format!(
                         "the bridge sent a result for `{id}`, which is no goal under way"
                     )));
                 };
-                let end = mapping.end(&running.order, &GoalEnd { status, values });
+                let mut end = mapping.end(&running.order, &GoalEnd { status, values });
+                let is_success = matches!(end, Ok(Progress::Done { .. }));
+                if let Some(kept) = kept.filter(|_| !is_success) {
+                    let step = running.order.step;
+                    let reason =
+                        format!("step {step} ended without success, and {kept} heartbeats before it did not come back");
+                    end = Err(RobotError::Blocked { reason });
+                }
                 // The goal itself has ended, whatever follows: it is not cancelled.
                 running.end = Some(end.clone().unwrap_or(Progress::Running(None)));
                 end?;
@@ -381,6 +397,10 @@ impl Link {
             }
             Incoming::Published { topic, message } => {
                 self.list_goals(&topic, &message);
+                let heartbeat = self.mapping.configuration.heartbeat.as_ref();
+                if heartbeat.is_some_and(|heartbeat| heartbeat.topic == topic) {
+                    self.echo.receive(&message);
+                }
                 if let Some(state) = self.topics.get_mut(&topic) {
                     state.latest = Some((now, message));
                 }
@@ -468,9 +488,8 @@ impl Link {
         if let Some(heartbeat) = &self.mapping.configuration.heartbeat
             && self.next_beat <= now
         {
-            self.beats += 1;
             self.next_beat = now + heartbeat.period;
-            let beat = message::publish(&heartbeat.topic, &json!({"data": self.beats}));
+            let beat = message::publish(&heartbeat.topic, &json!({"data": self.echo.next()}));
             self.send(&beat);
         }
     }

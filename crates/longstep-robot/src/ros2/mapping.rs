@@ -123,11 +123,12 @@ impl Mapping {
         let step = order.step;
         if let Value::String(reason) = &end.values {
             let reason = quotation(reason);
+            // The other texts are mistakes of the bridge, which say nothing about the world.
             return match rule.rejected {
-                Consequence::Failed => Ok(Progress::Failed {
+                Consequence::Failed if is_rejection(&reason) => Ok(Progress::Failed {
                     reason: format!("the goal was rejected: {reason}"),
                 }),
-                Consequence::Stop => Err(RobotError::Rejected { step, reason }),
+                _ => Err(RobotError::Rejected { step, reason }),
             };
         }
         let reason = || reason_of(rule, &end.values);
@@ -244,6 +245,11 @@ impl OrderScope<'_> {
         let of_value = of_value.ok_or_else(|| format!("`{written}` has no value for `{}`", hole.written))?;
         Ok((of_value, &hole.filters[1..]))
     }
+}
+
+/// Returns true if the text in place of a result says that the server refused the goal.
+fn is_rejection(reason: &str) -> bool {
+    reason.to_ascii_lowercase().contains("reject")
 }
 
 #[cfg(test)]
@@ -384,6 +390,12 @@ aborted = "stop"
                 Some(Aborted),
                 json!("goal rejected"),
                 failed("the goal was rejected: goal rejected"),
+            ),
+            (
+                &grasp,
+                Some(GoalStatus::Unknown),
+                json!("No action server available"),
+                stopped("the robot rejected step 1: No action server available"),
             ),
             (
                 &grasp,

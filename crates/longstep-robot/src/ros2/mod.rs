@@ -7,6 +7,8 @@
 //! - Before an order is sent, everything that the bridge sent until then is read.
 //! - The first failure stops the robot: every goal under way is cancelled, nothing else is sent, and the error stays the same.
 //!   If the connection is gone, the stop connects again to cancel.
+//! - A bridge that keeps heartbeats back while a goal is under way ends the run: what the robot did then says nothing about the
+//!   world.
 //! - A stop is confirmed only if every goal under way ended.
 //! - A run that goes on after an interruption ends the goals that it left ([`Ros2::reconnect`]) before it observes.
 //! - Everything that is read has a bound.
@@ -15,6 +17,7 @@ mod check;
 mod configuration;
 mod connection;
 mod criterion;
+mod echo;
 mod file;
 mod leftover;
 mod link;
@@ -220,6 +223,7 @@ impl Ros2 {
     /// Connects to the bridge, looks for every server, and subscribes everything.
     fn find(configuration: Configuration, domain: &Domain) -> Result<Self, RobotError> {
         let robot = Self::open(configuration, domain)?;
+        robot.find_threads()?;
         for (server, kind) in robot.mapping.configuration.servers() {
             robot.find_server(server, kind)?;
             robot.lock().subscribe_status(server)?;

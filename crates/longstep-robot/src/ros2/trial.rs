@@ -20,6 +20,15 @@ const COMPLAINT: Duration = Duration::from_millis(700);
 /// The time that the answer of a bridge may take beyond the timeout that it was given itself.
 const MARGIN: Duration = Duration::from_millis(500);
 
+/// The service of rosbridge_server that tells its parameters, by the usual name of its node.
+const PARAMETERS: &str = "/rosbridge_websocket/get_parameters";
+/// The parameter without which a goal keeps everything else waiting.
+const NEW_THREAD: &str = "send_action_goals_in_new_thread";
+/// The wait for the parameters of a bridge. One that has none says so at once, or never.
+const TELLING: Duration = Duration::from_millis(1500);
+/// The number of a parameter that is true or false, in `rcl_interfaces/msg/ParameterType`.
+const IS_BOOL: u64 = 1;
+
 /// The result of looking for one thing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
@@ -40,8 +49,12 @@ pub fn trials(configuration: Configuration, domain: &Domain, world: Option<&Worl
             return vec![Trial { subject, result }];
         }
     };
-    let result = Ok("connected".to_owned());
+    let result = robot.find_threads().map(|threads| threads.to_owned());
+    let is_blocked = result.is_err();
     let mut trials = vec![Trial { subject, result }];
+    if is_blocked {
+        return trials;
+    }
     for (server, kind) in robot.mapping.configuration.servers() {
         let found = robot.find_server(server, kind);
         let says = |is_sure| match is_sure {
@@ -60,6 +73,32 @@ pub fn trials(configuration: Configuration, domain: &Domain, world: Option<&Worl
 }
 
 impl Ros2 {
+    /// Asks the bridge if it passes messages on while a goal is under way. A bridge that is no rosbridge_suite, or whose node
+    /// has another name, does not say: then the heartbeats of a run show it.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError::Blocked`] for a bridge that says no.
+    pub(super) fn find_threads(&self) -> Result<&'static str, RobotError> {
+        let request = serde_json::json!({"names": [NEW_THREAD]});
+        let kind = Some("rcl_interfaces/srv/GetParameters");
+        let ask = |id: &str| message::call(id, PARAMETERS, kind, &request, TELLING.as_secs_f64());
+        let answer = self.ask(ask, TELLING)?.filter(|answer| answer.is_success);
+        let parameter = answer.as_ref().and_then(|answer| answer.values.pointer("/values/0"));
+        let is_bool = |parameter: &&Value| parameter["type"].as_u64() == Some(IS_BOOL);
+        match parameter
+            .filter(is_bool)
+            .and_then(|parameter| parameter["bool_value"].as_bool())
+        {
+            Some(false) => {
+                let reason = format!("its parameter `{NEW_THREAD}` is false");
+                Err(self.lock().fail(RobotError::Blocked { reason }))
+            }
+            Some(true) => Ok("connected; goals have threads of their own"),
+            None => Ok("connected; the bridge does not say if goals have threads of their own"),
+        }
+    }
+
     /// Looks for an action server: its service for cancelling is asked for a goal that does not exist, which moves nothing.
     /// Returns true if its type is known to be right.
     pub(super) fn find_server(&self, server: &str, kind: &str) -> Result<bool, RobotError> {
