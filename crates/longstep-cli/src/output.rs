@@ -141,6 +141,11 @@ pub(crate) fn terminal_size() -> (usize, usize) {
     (80, 24)
 }
 
+/// The columns of the terminal that shows the results; none where they go to a pipe or a file.
+pub(crate) fn columns() -> Option<usize> {
+    (std::io::stdout().is_terminal() && std::io::stderr().is_terminal()).then(|| terminal_size().0)
+}
+
 /// The form of what a command prints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {

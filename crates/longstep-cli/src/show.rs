@@ -8,6 +8,9 @@ use longstep_core::visible;
 
 use crate::output::{self, Line, Style, print_line};
 
+/// The columns below which a terminal is narrow.
+const NARROW: usize = 80;
+
 /// Prints a heading.
 pub(crate) fn heading(text: &str) {
     print_line!("{}", text.bold());
@@ -176,6 +179,11 @@ pub(crate) fn steps(lines: &[OutlineLine], bad: impl Fn(usize) -> bool) {
         .max()
         .map_or(0, |last| last + 1);
     let digits = steps.to_string().len();
+    let explanations = lines
+        .iter()
+        .map(|line| visible::line(&line.explanation).chars().count());
+    let longest = digits + 6 + width + explanations.max().unwrap_or(0);
+    let is_narrow = output::columns().is_some_and(|columns| columns < NARROW && longest > columns);
     for line in lines {
         let number = match line.step {
             Some(step) => format!("{:>digits$}.", step + 1),
@@ -184,6 +192,18 @@ pub(crate) fn steps(lines: &[OutlineLine], bad: impl Fn(usize) -> bool) {
         let indent = "  ".repeat(line.depth);
         let padding = " ".repeat(width.saturating_sub(length(line)));
         let (text, explanation) = (&line.text, line.explanation.dimmed());
+        if is_narrow {
+            // In a narrow terminal a step has its explanation below it.
+            match line.step {
+                Some(step) if bad(step) => print_line!("  {} {indent}{}", number.red(), text.red()),
+                Some(_) => print_line!("  {} {indent}{text}", number.dimmed()),
+                None => print_line!("  {number} {indent}{}", text.dimmed()),
+            }
+            if !line.explanation.is_empty() {
+                print_line!("  {:1$} {indent}{explanation}", "", digits + 1);
+            }
+            continue;
+        }
         match line.step {
             Some(step) if bad(step) => {
                 print_line!("  {} {indent}{}{padding}  {explanation}", number.red(), text.red());

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use longstep_core::execution::{Effect, Event, Execution};
-use longstep_core::plan::{Node, outline};
+use longstep_core::plan::{Node, StepId, outline};
 use longstep_core::schedule::{Row as TimetableRow, timetable};
 use longstep_core::visible;
 
@@ -64,6 +64,8 @@ impl Mark {
 struct Entry {
     /// Its number in the plan in force, from 0; none for a step of an earlier plan.
     step: Option<usize>,
+    /// The action with all its arguments, as events name it.
+    call: String,
     text: String,
     mark: Mark,
     tries: u32,
@@ -146,7 +148,7 @@ impl Steps {
                 let first = self.entries.len();
                 while let Some(inner) = lines.next_if(|inner| inner.depth > 0) {
                     if let Some(step) = inner.step {
-                        self.entry(step, inner.explanation, mark);
+                        self.entry(execution, step, inner.explanation, mark);
                     }
                 }
                 let place = |entries: &[Entry], step: usize| {
@@ -161,7 +163,7 @@ impl Steps {
                 }
                 continue;
             };
-            let entry = self.entry(step, line.explanation, mark);
+            let entry = self.entry(execution, step, line.explanation, mark);
             self.places.push(Place::Step {
                 depth: line.depth,
                 entry,
@@ -169,9 +171,17 @@ impl Steps {
         }
     }
 
-    fn entry(&mut self, step: usize, text: String, mark: Mark) -> usize {
+    fn entry(&mut self, execution: &Execution, step: usize, text: String, mark: Mark) -> usize {
+        let plan = execution.plan();
+        let (world, own) = (plan.world(), plan.plan().step(StepId::new(step)));
+        let arguments = own
+            .arguments
+            .iter()
+            .map(|entity| world.entity(*entity).identifier.as_str());
+        let arguments: Vec<&str> = arguments.collect();
         self.entries.push(Entry {
             step: Some(step),
+            call: format!("{}({})", world.domain().action(own.action).name, arguments.join(", ")),
             text,
             mark,
             tries: 0,
@@ -235,7 +245,7 @@ impl Steps {
                     Some(mark) => entry.mark == mark,
                     None => entry.mark.is_open(),
                 };
-                is_from && entry.text == *text
+                is_from && entry.call == *text
             };
             let mut entries: Box<dyn Iterator<Item = &mut Entry>> = match from {
                 Some(_) => Box::new(self.entries.iter_mut().rev()),
@@ -444,6 +454,6 @@ fn drawn(begun: Instant) -> ProgressBar {
         bar.set_style(style.with_key("elapsed_time", elapsed));
     }
     output::begin_progress(&bar);
-    bar.enable_steady_tick(Duration::from_millis(200));
+    bar.enable_steady_tick(Duration::from_millis(100));
     bar
 }
