@@ -26,15 +26,24 @@ struct Terminal {
 
 impl Terminal {
     fn chat(server: &Server, home: &std::path::Path) -> Self {
+        Self::open(
+            home,
+            &format!("chat --env {PANTRY} --model {}", server.reference()),
+            "xterm",
+        )
+    }
+
+    fn open(home: &std::path::Path, arguments: &str, terminal: &str) -> Self {
         let program = env!("CARGO_BIN_EXE_longstep");
         // A shell that stayed would get every Ctrl-C as well, and some then end by it whatever the program does.
-        let line = format!("exec {program} chat --env {PANTRY} --model {}", server.reference());
+        let line = format!("stty columns 80 rows 24; exec {program} {arguments}");
         let mut child = Command::new("script")
             .args(["--quiet", "--return", "--command", &line, "/dev/null"])
             .current_dir(root())
             .env("LONGSTEP_SESSIONS", home.join("sessions"))
             .env("LONGSTEP_CACHE", home.join("cache"))
-            .env("TERM", "xterm")
+            .env("TERM", terminal)
+            .env_remove("LONGSTEP_DOMAIN")
             .env("NO_PROXY", "127.0.0.1")
             .env_remove("LONGSTEP_API_KEY")
             .env_remove("NO_COLOR")
@@ -192,4 +201,90 @@ fn lines_that_are_typed_while_the_model_works_answer_nothing_by_themselves() {
     terminal.press("\x04");
     let (code, shown) = terminal.end();
     assert_eq!(code, Some(0), "{shown}");
+}
+
+#[test]
+fn a_command_that_was_typed_early_is_used_once() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::answering(|_, _| {
+        thread::sleep(Duration::from_secs(2));
+        goals(&["put(cereal, counter)"])
+    });
+    let mut terminal = Terminal::chat(&server, home.path());
+    terminal.expect("> ");
+    terminal.press("Put the cereal on the counter\r");
+    asked(&server, 1);
+    terminal.press("/rules\r");
+    terminal.expect("Enter sends it");
+    terminal.expect("/rules");
+    terminal.press("\r");
+    terminal.expect("No rules");
+    // The prompt is empty now: Enter accepts the plan.
+    terminal.expect("Accept?");
+    terminal.press("\r");
+    terminal.expect("as plan 0");
+    terminal.expect("> ");
+    terminal.press("\x04");
+    let (code, shown) = terminal.end();
+    assert_eq!(code, Some(0), "{shown}");
+    assert_eq!(shown.matches("Enter sends it").count(), 1, "{shown}");
+    // Nothing of the wait stands before the result.
+    let (before, _) = shown.split_once("Goal").unwrap();
+    let line = before.rsplit('\n').next().unwrap();
+    assert!(line.contains("\x1b[2K") && !line.ends_with("server"), "{line:?}");
+}
+
+/// The plan of a run in `plan.json` of the home folder.
+fn planned(home: &std::path::Path) -> String {
+    let plan = home.join("plan.json");
+    let solved = common::longstep(home)
+        .args(["solve", "--goal", "put(butter, counter)", "--env", PANTRY, "--save"])
+        .arg(&plan)
+        .output()
+        .unwrap();
+    assert!(solved.status.success());
+    plan.display().to_string()
+}
+
+#[test]
+fn a_run_shows_its_plan_with_the_state_of_each_step() {
+    let home = tempfile::tempdir().unwrap();
+    let arguments = format!("run {} --robot sim:pace=40,ticks=1", planned(home.path()));
+    let mut terminal = Terminal::open(home.path(), &arguments, "xterm");
+    // Typed too early, it accepts nothing.
+    terminal.press("\r");
+    terminal.expect("Run this plan? [Enter, or `no`]");
+    thread::sleep(Duration::from_millis(300));
+    terminal.press("\r");
+    terminal.expect("now");
+    terminal.expect("grasp the butter");
+    terminal.expect("10 of 10 steps done, ");
+    terminal.expect("the goal is reached");
+    let (code, shown) = terminal.end();
+    assert_eq!(code, Some(0), "{shown}");
+
+    let mut listed = common::longstep(home.path());
+    let listed = common::run(
+        listed
+            .env("LONGSTEP_SESSIONS", home.path().join("sessions"))
+            .args(["run", "--list"]),
+        "",
+    );
+    assert!(listed.stdout.starts_with("plan-1  "), "{}", listed.stdout);
+    assert!(listed.stdout.contains("10 steps, done"), "{}", listed.stdout);
+}
+
+#[test]
+fn a_run_in_a_dumb_terminal_is_lines_without_escapes() {
+    let home = tempfile::tempdir().unwrap();
+    let arguments = format!("run {} --robot sim --approve never", planned(home.path()));
+    let mut terminal = Terminal::open(home.path(), &arguments, "dumb");
+    terminal.expect("  10  ");
+    terminal.expect("the goal is reached");
+    let (code, shown) = terminal.end();
+    assert_eq!(code, Some(0), "{shown}");
+    assert!(
+        !shown.contains("\x1b[2K") && !shown.contains('\r'.to_string().repeat(2).as_str()),
+        "{shown:?}"
+    );
 }

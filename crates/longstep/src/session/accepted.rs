@@ -4,7 +4,7 @@ use super::StepRecord;
 use crate::environment::{EntityId, World};
 use crate::goal::Goal;
 use crate::model::Domain;
-use crate::plan::{self, PlanDomain, PlanFile, PurposeFile, Step, TaskCohesion};
+use crate::plan::{self, PlanFile, PurposeFile, Step, TaskCohesion};
 use crate::verify::{Ending, VerifiedPlan};
 
 /// An instruction with its accepted plan.
@@ -33,7 +33,7 @@ impl Accepted {
             instruction_summary: self.instruction.clone(),
             question: String::new(),
             purpose: PurposeFile::new(&self.before, &self.goal_texts()),
-            domain: Some(PlanDomain::of(self.before.domain())),
+            domain: None,
         }
     }
 

@@ -493,9 +493,9 @@ impl Session {
         Ok(number)
     }
 
-    /// Returns the plan with this number in its saved form.
+    /// Returns the plan with this number in its saved form, with its domain.
     pub fn plan_file(&self, number: usize) -> Option<PlanFile> {
-        Some(self.accepted.get(number)?.file())
+        Some(self.accepted.get(number)?.file().of_domain(self.domain()))
     }
 
     fn out_of_turn(&self, what: &'static str) -> OutOfTurn {
