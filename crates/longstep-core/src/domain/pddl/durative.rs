@@ -142,8 +142,8 @@ fn action(items: &[Expression], position: Position, costs: bool) -> Expression {
         .map(|own| (**own).clone());
     // What the start takes and the end gives back, such as a free robot, is no change.
     let is_given_back = |own: &Expression| {
-        let mut taken = brought.iter().filter(|start| same(atom(start), atom(own)));
-        taken.next().is_some() && is_literal(own) && needed.iter().any(|condition| same(condition, own))
+        let mut taken = brought.iter().filter(|start| atom(start).is_same(atom(own)));
+        taken.next().is_some() && is_literal(own) && needed.iter().any(|condition| condition.is_same(own))
     };
     let last = last.iter().filter(|own| !is_given_back(own)).map(|own| (*own).clone());
     let mut changes: Vec<Expression> = first.chain(last).collect();
