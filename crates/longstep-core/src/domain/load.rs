@@ -296,7 +296,7 @@ impl Loader<'_> {
             goal_words,
             repair,
             values,
-            lexicon: Lexicon::new(file.lexicon),
+            lexicon: lexicon(file.lexicon),
             implied,
             article: self.article(file.article.as_ref()),
             speaker_names: self.entity_words(&file.speaker_names),
@@ -629,6 +629,13 @@ fn any_parameter_of(name: &str, kind: TypeId) -> Parameter {
         name: name.to_owned(),
         kind,
     }
+}
+
+/// Returns the everyday names without their positions.
+fn lexicon(entries: indexmap::IndexMap<Spanned<String>, Vec<Spanned<String>>>) -> Lexicon {
+    let texts = |texts: Vec<Spanned<String>>| texts.into_iter().map(Spanned::into_inner).collect();
+    let entries = entries.into_iter();
+    Lexicon::new(entries.map(|(name, names)| (name.into_inner(), texts(names))).collect())
 }
 
 /// Returns the variables of the leading `forall`s of a condition, in order.

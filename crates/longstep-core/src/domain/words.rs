@@ -39,7 +39,7 @@ pub struct DomainFile {
     #[serde(default)]
     pub value: IndexMap<Text, ValueEntry>,
     #[serde(default)]
-    pub lexicon: IndexMap<String, Vec<String>>,
+    pub lexicon: IndexMap<Text, Vec<Text>>,
     #[serde(default)]
     pub implied: IndexMap<Text, Vec<Text>>,
     pub article: Option<Text>,

@@ -46,6 +46,7 @@ pub fn lint_environment(world: &World, files: &Files, file: &str, text: &str) ->
     findings.extend(near_misses(world, &source));
     findings.extend(idle_derivations(world, files));
     findings.extend(unused_states(world, files));
+    findings.extend(super::synonyms::unmatched_in(world, files));
     super::without_accepted_of(findings, files)
 }
 

@@ -13,6 +13,7 @@ mod obsolete;
 mod places;
 mod reach;
 mod reads;
+mod synonyms;
 
 #[cfg(test)]
 mod tests;
@@ -102,6 +103,8 @@ lints! {
     BrokenPrompt = "broken-prompt",
     /// A key that has no effect any more.
     ObsoleteKey = "obsolete-key",
+    /// An everyday name that can match no identifier, or that no instruction can contain.
+    UnmatchedName = "unmatched-name",
     /// An acceptance that matches no finding or gives no reason.
     StaleAcceptance = "stale-acceptance",
     /// An entity of an environment that no action admits.
@@ -110,6 +113,8 @@ lints! {
     NearMiss = "near-miss",
     /// A derivation that matches no entity of an environment.
     IdleDerivation = "idle-derivation",
+    /// An entry of `[lexicon]` that matches no entity of an environment.
+    IdleName = "idle-name",
     /// A state that an environment does not use and no action makes true.
     UnusedState = "unused-state",
 }
@@ -119,7 +124,7 @@ impl Lint {
     fn needs_environment(self) -> bool {
         matches!(
             self,
-            Self::IdleEntity | Self::NearMiss | Self::IdleDerivation | Self::UnusedState
+            Self::IdleEntity | Self::NearMiss | Self::IdleDerivation | Self::IdleName | Self::UnusedState
         )
     }
 }
@@ -177,6 +182,7 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     findings.extend(names::findings(domain, &reach, &places));
     findings.extend(explanations::findings(domain, &reach, &places));
     findings.extend(obsolete::findings(&places));
+    findings.extend(synonyms::findings(&places));
     findings.extend(
         crate::dialogue::broken_parts(domain)
             .into_iter()

@@ -404,6 +404,36 @@ fn what_no_example_shows() {
 }
 
 #[test]
+fn names_that_match_nothing() {
+    for (entry, expected) in [
+        ("box = [\"crate\"]", ""),
+        ("tube_a = [\"first tube\"]", ""),
+        ("Box = [\"crate\"]", "unmatched-name Box"),
+        ("box_2 = [\"crate\"]", "unmatched-name box_2"),
+        ("\"<box>\" = [\"crate\"]", "unmatched-name <box>"),
+        ("box = []", "unmatched-name box"),
+        ("box = [\"crate\", \"...\"]", "unmatched-name box ..."),
+    ] {
+        let mut files = starter_files();
+        let line = files.words.lines().position(|line| line == "[lexicon]").unwrap();
+        let lines = files.words.lines().take(line + 1).chain([entry]);
+        files.words = lines.collect::<Vec<_>>().join("\n");
+        let domain = load(&files).unwrap_or_else(|findings| panic!("{findings}"));
+        let found = lint(&domain, &files);
+        let found: Vec<String> = found
+            .iter()
+            .map(|own| format!("{} {}", own.lint.name(), own.of.join(" ")))
+            .collect();
+        assert_eq!(found.join("; "), expected, "{entry}");
+        let json = "{\"environment\": {\"assets\": [\"<desk_1>\"], \"objects\": [\"<box_3>\"]}}";
+        let world = crate::environment::parse(&domain, "e.json", json).unwrap_or_else(|findings| panic!("{findings}"));
+        let found = lint_environment(&world, &files, "e.json", json);
+        let idle = found.iter().any(|own| own.lint == Lint::IdleName);
+        assert_eq!(idle, !entry.starts_with("box ="), "{entry}");
+    }
+}
+
+#[test]
 fn findings_can_be_accepted() {
     let accept = |lint: &str, of: &str, why: &str| {
         let text = format!("[[accept]]\nlint = \"{lint}\"\nof = [{of}]\nwhy = \"{why}\"\n\n[[rule]]");
