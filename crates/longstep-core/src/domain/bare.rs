@@ -92,7 +92,10 @@ pub fn read_foreign(file: &str, text: &str, problem: Option<&str>) -> Result<For
     ];
     if counts.iter().any(|count| *count > crate::model::ENTITY_LIMIT) {
         let finding = Diagnostic::whole(file, "too many names for one domain");
-        findings.push(finding.hint(format!("a domain has at most {} of each kind", crate::model::ENTITY_LIMIT)));
+        findings.push(finding.hint(format!(
+            "a domain has at most {} of each kind",
+            crate::model::ENTITY_LIMIT
+        )));
     }
     if !findings.is_empty() {
         return Err(Diagnostics::sorted(findings));

@@ -16,11 +16,11 @@ mod starter;
 pub mod words;
 
 pub use crate::model::{
-    Action, ActionId, Application, Arithmetic, Atom, Comparison, Condition, DefaultFact, Derivation, DerivedPredicate, Domain,
-    DomainData, Effect, EnvironmentTypes, FormPiece, Function, FunctionId, GoalWord, GoalWordId, Lexicon, Literal,
-    NumberTest, NumericEffect, NumericExpression, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
-    RepairCosts, Rule, RuleTime, Slot, SpatialRelation, StateWord, Template, Term, TypeId, Types, Unknown, When,
-    base_name, ends_with, head, label, matches_name, phrase, plain_words, singular, stem,
+    Action, ActionId, Application, Arithmetic, Atom, Comparison, Condition, DefaultFact, Derivation, DerivedPredicate,
+    Domain, DomainData, Effect, EnvironmentTypes, FormPiece, Function, FunctionId, GoalWord, GoalWordId, Lexicon,
+    Literal, NumberTest, NumericEffect, NumericExpression, Parameter, Predicate, PredicateId, PredicateWords,
+    PropertyWord, RepairCosts, Rule, RuleTime, Slot, SpatialRelation, StateWord, Template, Term, TypeId, Types,
+    Unknown, When, base_name, ends_with, head, label, matches_name, phrase, plain_words, singular, stem,
 };
 pub use crate::model::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use bare::{DeclarationPositions, ForeignDomain, from_pddl, from_pddl_for, read_foreign};

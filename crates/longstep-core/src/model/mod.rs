@@ -41,9 +41,9 @@ pub use diff::{Difference, changed_facts, differences};
 pub use distinction::Distinctions;
 pub(crate) use domain::ActionSchema;
 pub use domain::{
-    Action, ActionId, DefaultFact, Derivation, DerivedPredicate, Domain, DomainData, EnvironmentTypes, FormPiece, Function, GoalWord,
-    GoalWordId, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime,
-    StateWord, TypeId, Types, Unknown,
+    Action, ActionId, DefaultFact, Derivation, DerivedPredicate, Domain, DomainData, EnvironmentTypes, FormPiece,
+    Function, GoalWord, GoalWordId, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
+    RepairCosts, Rule, RuleTime, StateWord, TypeId, Types, Unknown,
 };
 pub use environment::{Environment, EnvironmentError, Words};
 pub use evaluate::{Bindings, Moment, holds};

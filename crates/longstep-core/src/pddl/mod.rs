@@ -21,6 +21,8 @@
 //! # Ok::<(), longstep_core::diagnostic::Diagnostics>(())
 //! ```
 
+#[cfg(test)]
+mod foreign_tests;
 mod ground;
 mod names;
 mod plan;

@@ -8,8 +8,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use crate::domain::pddl::{Dialect, Reader, Semantics, foreign};
 use crate::domain::sexpr::Expression;
 use crate::model::{
-    Action, Application, Arithmetic, Condition, Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, Function, FunctionId, Number, NumberChangeKind, NumberTest, Predicate, PredicateId,
-    State, When, Words, World,
+    Action, Application, Arithmetic, Condition, Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, Function,
+    FunctionId, Number, NumberChangeKind, NumberTest, Predicate, PredicateId, State, When, Words, World,
 };
 use crate::search::Wanted;
 use crate::verify::Purpose;
@@ -52,10 +52,16 @@ pub fn read_problem(domain: &Domain, file: &str, text: &str) -> Result<Problem, 
         Goals::One => Ok(problem),
         Goals::None(position) => {
             let finding = Diagnostic::at(file, position, "the problem has no goal");
-            Err(Diagnostics(vec![finding.hint("add `(:goal (and (predicate object ...) ...))`")]))
+            Err(Diagnostics(vec![
+                finding.hint("add `(:goal (and (predicate object ...) ...))`"),
+            ]))
         }
         Goals::Empty(position) => {
-            problem.notes.push(Diagnostic::at(file, position, "the goal is empty, so it holds from the start"));
+            problem.notes.push(Diagnostic::at(
+                file,
+                position,
+                "the goal is empty, so it holds from the start",
+            ));
             Ok(problem)
         }
     }
@@ -99,10 +105,22 @@ const SECTIONS: [&str; 6] = [":domain", ":requirements", ":objects", ":init", ":
 
 /// Sections of other languages, with what to write in place of them.
 const OTHER_SECTIONS: [(&str, &str); 5] = [
-    (":constraints", "leave it out, or write a prohibition with `--rules` for `longstep solve --goal`"),
-    (":reveals", "give the facts of the start in `(:init ...)`; for facts that only sensing reveals use `senses` in `domain.toml`"),
-    (":htn", "write what holds at the end as `(:goal ...)`: tasks and methods are not read"),
-    (":tasks", "write what holds at the end as `(:goal ...)`: tasks and methods are not read"),
+    (
+        ":constraints",
+        "leave it out, or write a prohibition with `--rules` for `longstep solve --goal`",
+    ),
+    (
+        ":reveals",
+        "give the facts of the start in `(:init ...)`; for facts that only sensing reveals use `senses` in `domain.toml`",
+    ),
+    (
+        ":htn",
+        "write what holds at the end as `(:goal ...)`: tasks and methods are not read",
+    ),
+    (
+        ":tasks",
+        "write what holds at the end as `(:goal ...)`: tasks and methods are not read",
+    ),
     (":init-beliefs", "give the facts of the start in `(:init ...)`"),
 ];
 
@@ -125,25 +143,34 @@ fn read(
         .and_then(|first| Some((first, first.tail_of("define")?)))
     else {
         let hint = "a problem file is one `(define (problem NAME) (:domain NAME) ...)` list";
-        reader.report_with(top, "no `(define (problem NAME) ...)`", hint);
+        reader.report(top, "no `(define (problem NAME) ...)`", hint);
         return None;
     };
     for extra in &expressions[1..] {
         let hint = "remove it, or a `)` too many before it";
-        reader.report_with(extra.position, "something follows the problem's end", hint);
+        reader.report(extra.position, "something follows the problem's end", hint);
     }
     let name = match sections.first().and_then(|section| section.tail_of("problem")) {
         Some([name]) if name.word().is_some() => name.word().unwrap_or_default().to_owned(),
         _ => {
             let hint = "write `(define (problem NAME) ...)`";
-            reader.report_with(define.position, "the problem has no name: expected `(problem NAME)`", hint);
+            reader.report(
+                define.position,
+                "the problem has no name: expected `(problem NAME)`",
+                hint,
+            );
             String::new()
         }
     };
     let mut notes = Vec::new();
     let other_domain = of_sections(sections, ":domain").find_map(|(section, items)| {
         let word = items.first().and_then(Expression::word).unwrap_or("?");
-        let message = || format!("this problem is for the domain `{word}`, not for `{}`", domain.pddl_name);
+        let message = || {
+            format!(
+                "this problem is for the domain `{word}`, not for `{}`",
+                domain.pddl_name
+            )
+        };
         (word != domain.pddl_name).then(|| (section.position, message()))
     });
     report_other_sections(&mut reader, sections, &mut notes);
@@ -158,7 +185,7 @@ fn read(
             true => notes.push(Diagnostic::at(file, position, format!("{message}; all its names fit"))),
             false => {
                 let hint = "give the domain of this problem with `--domain`";
-                reader.report_with(position, message, hint);
+                reader.report(position, message, hint);
             }
         }
     }
@@ -187,7 +214,9 @@ fn of_sections<'e>(
     sections: &'e [Expression],
     head: &'static str,
 ) -> impl Iterator<Item = (&'e Expression, &'e [Expression])> {
-    sections.iter().filter_map(move |section| Some((section, section.tail_of(head)?)))
+    sections
+        .iter()
+        .filter_map(move |section| Some((section, section.tail_of(head)?)))
 }
 
 fn report_other_sections(reader: &mut Reader<'_>, sections: &[Expression], notes: &mut Vec<Diagnostic>) {
@@ -197,7 +226,11 @@ fn report_other_sections(reader: &mut Reader<'_>, sections: &[Expression], notes
             continue;
         }
         if head == ":length" {
-            notes.push(Diagnostic::at(reader.file, section.position, "`:length` is left out: a plan has any length"));
+            notes.push(Diagnostic::at(
+                reader.file,
+                section.position,
+                "`:length` is left out: a plan has any length",
+            ));
             continue;
         }
         let known = SECTIONS.join(", ");
@@ -208,7 +241,7 @@ fn report_other_sections(reader: &mut Reader<'_>, sections: &[Expression], notes
             (None, Some(near)) => format!("did you mean `{near}`?"),
             (None, None) => "remove it".to_owned(),
         };
-        reader.report_with(section.position, message, hint);
+        reader.report(section.position, message, hint);
     }
 }
 
@@ -242,7 +275,7 @@ fn objects(
     for (section, items) in of_sections(sections, ":objects") {
         if names.constants.len() + items.len() > ENTITY_LIMIT {
             let hint = "give fewer objects: those that the plan is about";
-            reader.report_with(section.position, format!("more than {ENTITY_LIMIT} objects"), hint);
+            reader.report(section.position, format!("more than {ENTITY_LIMIT} objects"), hint);
             return None;
         }
         let is_type = |item: &Expression| item.word() == Some("-");
@@ -265,7 +298,11 @@ fn objects(
                 .is_some()
             {
                 let message = format!("the object `{name}` is declared twice, with two types");
-                reader.report_with(position, message, "keep one of the declarations, or give one another name");
+                reader.report(
+                    position,
+                    message,
+                    "keep one of the declarations, or give one another name",
+                );
             }
             names.constants.push((name, kind));
         }
@@ -275,10 +312,12 @@ fn objects(
 
 /// Returns the names of a typed list.
 fn without_types(items: &[Expression]) -> Vec<Expression> {
-    let is_name = |index: &usize| {
-        items[*index].word() != Some("-") && (*index == 0 || items[index - 1].word() != Some("-"))
-    };
-    (0..items.len()).filter(is_name).map(|index| items[index].clone()).collect()
+    let is_name =
+        |index: &usize| items[*index].word() != Some("-") && (*index == 0 || items[index - 1].word() != Some("-"));
+    (0..items.len())
+        .filter(is_name)
+        .map(|index| items[index].clone())
+        .collect()
 }
 
 /// Reads the facts and numbers of the start.
@@ -310,11 +349,11 @@ fn initial_state(
                 continue;
             }
             if let Some([fluent, number]) = item.tail_of("=") {
-                initial_number(reader, names, &mut state, fluent, number);
+                initial_number(reader, names, &mut state, (fluent, number), notes);
                 continue;
             }
             if let Some((message, hint)) = uncertain(item, domain) {
-                reader.report_with(item.position, message, hint);
+                reader.report(item.position, message, hint);
                 continue;
             }
             // A negated fact has no effect, but its names must be valid.
@@ -324,7 +363,9 @@ fn initial_state(
             };
             if let Some(name) = undeclared(atom, names) {
                 if unknown.insert(name) {
-                    let message = format!("facts of `{name}` are left out: the domain does not declare it, so no action needs it");
+                    let message = format!(
+                        "facts of `{name}` are left out: the domain does not declare it, so no action needs it"
+                    );
                     notes.push(Diagnostic::at(reader.file, atom.position, message));
                 }
                 continue;
@@ -346,12 +387,18 @@ fn uncertain(item: &Expression, domain: &Domain) -> Option<(String, &'static str
         ("at", [_, time, fact]) if fact.list().is_some() => {
             let time = time.word().unwrap_or("?");
             let hint = "plans here have no times: leave it out, or write the fact without the time if it may hold from the start";
-            Some((format!("a fact that changes at the time {time} by itself is not supported"), hint))
+            Some((
+                format!("a fact that changes at the time {time} by itself is not supported"),
+                hint,
+            ))
         }
         ("unknown" | "oneof" | "or", _) => {
             let hint = "give the facts that hold; for facts that only sensing reveals, make a folder with `longstep domain new --pddl` \
                         and leave them out of its environment";
-            Some((format!("`{head}` says that facts are not known at the start, which a problem here cannot say"), hint))
+            Some((
+                format!("`{head}` says that facts are not known at the start, which a problem here cannot say"),
+                hint,
+            ))
         }
         ("probabilistic" | "forall", _) => {
             let hint = "list the facts that hold at the start";
@@ -397,7 +444,7 @@ fn goal(
     for (index, (section, items)) in of_sections(sections, ":goal").enumerate() {
         if index > 0 {
             let hint = "join them: `(:goal (and ...))`";
-            reader.report_with(section.position, "the problem has a second goal", hint);
+            reader.report(section.position, "the problem has a second goal", hint);
         }
         goals = Goals::One;
         match items {
@@ -412,7 +459,11 @@ fn goal(
                     goals = Goals::Empty(section.position);
                 }
             }
-            _ => reader.report_with(section.position, "expected one condition", "join them: `(:goal (and ...))`"),
+            _ => reader.report(
+                section.position,
+                "expected one condition",
+                "join them: `(:goal (and ...))`",
+            ),
         }
     }
     (wanted, goals)
@@ -426,10 +477,15 @@ fn begin_counters(domain: &Domain, file: &str, wanted: &[Wanted], state: &mut St
     let conditions = |action: &Action| {
         let of_effects = action.effects.iter().map(|effect| effect.condition.clone());
         let of_numbers = action.numeric.iter().map(|effect| effect.condition.clone());
-        std::iter::once(action.precondition.clone()).chain(of_effects).chain(of_numbers).collect::<Vec<_>>()
+        std::iter::once(action.precondition.clone())
+            .chain(of_effects)
+            .chain(of_numbers)
+            .collect::<Vec<_>>()
     };
     for action in &domain.actions {
-        conditions(action).iter().for_each(|condition| compared(condition, &mut read));
+        conditions(action)
+            .iter()
+            .for_each(|condition| compared(condition, &mut read));
         for effect in &action.numeric {
             read.extend(effect.value.functions());
             match effect.kind {
@@ -474,23 +530,27 @@ fn declared(function: &Function) -> Predicate {
     }
 }
 
-/// Reads `(= (function argument ...) number)`; reports errors, and a fluent with two numbers. The cost begins at zero.
+/// Reads `(= (function argument ...) number)`; reports errors, and notes a fluent with two numbers.
 fn initial_number(
     reader: &mut Reader<'_>,
     names: &Semantics,
     state: &mut State,
-    fluent: &Expression,
-    number: &Expression,
+    (fluent, number): (&Expression, &Expression),
+    notes: &mut Vec<Diagnostic>,
 ) {
     let value = match reader.number(number, &Vec::new(), names) {
         Some(Arithmetic::Constant(value)) => value,
-        Some(_) => return reader.report(number.position, "expected a number"),
+        Some(_) => {
+            return reader.report(
+                number.position,
+                "expected a number",
+                "write digits, as in `(= (distance a b) 3)`",
+            );
+        }
         None => return,
     };
     if fluent.tail_of("total-cost") == Some(&[]) {
-        if value != Number::ZERO {
-            reader.report(number.position, "`(total-cost)` begins at 0");
-        }
+        // Where the cost begins changes no plan.
         return;
     }
     let Some(application) = reader.application(fluent, &Vec::new(), names) else {
@@ -498,7 +558,8 @@ fn initial_number(
     };
     let fluent = application.ground(&[]);
     if state.number(fluent).is_some_and(|known| known != value) {
-        reader.report(number.position, "this fluent has another number already");
+        let message = "this number has another value before; the last one counts";
+        notes.push(Diagnostic::at(reader.file, number.position, message));
     }
     state.set_number(fluent, value);
 }

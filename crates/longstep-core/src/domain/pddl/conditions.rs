@@ -13,11 +13,27 @@ pub(super) struct Effects {
     pub(super) cost: Option<NumericExpression>,
 }
 
+/// Returns the notation of a condition or an effect that begins with a keyword.
+fn form_of(word: &str) -> &'static str {
+    match word {
+        "not" => "(not (predicate argument ...))",
+        "imply" => "(imply CONDITION CONDITION)",
+        "when" => "(when CONDITION EFFECT)",
+        "forall" => "(forall (?x - type) ...)",
+        "exists" => "(exists (?x - type) CONDITION)",
+        _ => "(= LEFT RIGHT)",
+    }
+}
+
 impl Reader<'_> {
     /// Parses a condition; reports errors and returns `true` in place of each unreadable part.
     pub(crate) fn condition(&mut self, item: &Expression, scope: &mut Scope, names: &Semantics) -> Condition {
         let Some(list) = item.list() else {
-            self.report(item.position, "expected a condition in parentheses");
+            self.report(
+                item.position,
+                "expected a condition in parentheses",
+                "write `(predicate argument ...)`",
+            );
             return Condition::TRUE;
         };
         let Some((head, rest)) = list.split_first() else {
@@ -79,18 +95,17 @@ impl Reader<'_> {
                 _ => Condition::TRUE,
             },
             ("not" | "imply" | "forall" | "exists" | "=" | "<" | "<=" | ">" | ">=", _) => {
-                let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
-                self.report(item.position, message);
+                let word = head.word().unwrap_or_default();
+                let message = format!("`{word}` has the wrong number of parts");
+                self.report(item.position, message, format!("write `{}`", form_of(word)));
                 Condition::TRUE
             }
             _ => match self.atom(item, scope, names) {
-                Some(atom) => self
-                    .defined(item, &atom, scope, names)
-                    .unwrap_or(Condition::Atom {
-                        atom,
-                        holds: true,
-                        at: When::Now,
-                    }),
+                Some(atom) => self.defined(item, &atom, scope, names).unwrap_or(Condition::Atom {
+                    atom,
+                    holds: true,
+                    at: When::Now,
+                }),
                 None => Condition::TRUE,
             },
         }
@@ -115,7 +130,11 @@ impl Reader<'_> {
         effects: &mut Effects,
     ) {
         let Some(list) = item.list() else {
-            return self.report(item.position, "expected an effect in parentheses");
+            return self.report(
+                item.position,
+                "expected an effect in parentheses",
+                "write `(predicate argument ...)` or `(not (predicate argument ...))`",
+            );
         };
         let Some((head, rest)) = list.split_first() else {
             return;
@@ -164,8 +183,9 @@ impl Reader<'_> {
                 effects.facts.extend(atom.map(|atom| fact(atom, false)));
             }
             ("forall" | "when" | "not", _) => {
-                let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
-                self.report(item.position, message);
+                let word = head.word().unwrap_or_default();
+                let message = format!("`{word}` has the wrong number of parts");
+                self.report(item.position, message, format!("write `{}`", form_of(word)));
             }
             (word, _) if NumberChangeKind::of(word).is_some_and(|_| Self::changes_number(names, rest)) => {
                 if let Some(kind) = NumberChangeKind::of(word) {
@@ -185,7 +205,11 @@ impl Reader<'_> {
         if names.derived.iter().any(|own| own.predicate == atom.predicate) {
             let name = &names.predicates[atom.predicate.index()].name;
             let message = format!("`{name}` is derived, so it follows from other facts and nothing else can set it");
-            self.report_with(item.position, message, "leave it out here, or remove its `(:derived ...)`");
+            self.report(
+                item.position,
+                message,
+                "leave it out here, or remove its `(:derived ...)`",
+            );
             return None;
         }
         Some(atom)
@@ -193,11 +217,19 @@ impl Reader<'_> {
 
     pub(crate) fn atom(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<Atom> {
         let Some((head, arguments)) = item.list().and_then(<[_]>::split_first) else {
-            self.report(item.position, "expected `(predicate argument ...)`");
+            self.report(
+                item.position,
+                "expected `(predicate argument ...)`",
+                "write a fact in parentheses, with a predicate of the domain",
+            );
             return None;
         };
         let Some(name) = head.word() else {
-            self.report(head.position, "expected a predicate's name");
+            self.report(
+                head.position,
+                "expected a predicate's name",
+                "write a fact as `(predicate argument ...)`",
+            );
             return None;
         };
         let Some(index) = names.predicates.iter().position(|p| p.name == name) else {
@@ -229,7 +261,15 @@ impl Reader<'_> {
                 parameters.len(),
                 arguments.len()
             );
-            self.report(item.position, message);
+            let variables = parameters
+                .iter()
+                .map(|own| format!(" ?{} - {}", own.name, names.types.name(own.kind)));
+            let declared: String = variables.collect();
+            self.report(
+                item.position,
+                message,
+                format!("it is declared as `({name}{declared})`"),
+            );
             return None;
         }
         let mut terms = Vec::with_capacity(arguments.len());
@@ -243,7 +283,11 @@ impl Reader<'_> {
                     names.types.name(parameter.kind),
                     names.types.name(kind)
                 );
-                self.report(argument.position, message);
+                let hint = format!(
+                    "use a {}, or declare a wider type for the argument of `{name}`",
+                    names.types.name(parameter.kind)
+                );
+                self.report(argument.position, message, hint);
                 return None;
             }
             terms.push(term);
@@ -253,7 +297,11 @@ impl Reader<'_> {
 
     fn term(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<(Term, TypeId)> {
         let ExpressionKind::Word(word) = &item.kind else {
-            self.report(item.position, "expected a variable or a constant");
+            self.report(
+                item.position,
+                "expected a variable or a constant",
+                "an argument is one name, as in `?x` or `table`",
+            );
             return None;
         };
         if let Some(variable) = word.strip_prefix('?') {

@@ -51,7 +51,8 @@ fn extend(sections: &mut Vec<Expression>, head: &str, items: Vec<Expression>, po
     }
     let word = Expression::of_word(head, position);
     let section = Expression::of_items(std::iter::once(word).chain(items).collect(), position);
-    sections.insert(sections.len().min(1), section);
+    // Behind `define` and the name.
+    sections.insert(sections.len().min(2), section);
 }
 
 /// Declares types that are used and not declared, unless the name is probably misspelt.
@@ -60,8 +61,14 @@ fn declare_types(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<Dia
     for section in sections.iter() {
         types_of(section, &mut used);
     }
-    let of_types = sections.iter().filter_map(|section| section.tail_of(":types")).flatten();
-    let declared: FxHashSet<&str> = of_types.filter_map(Expression::word).chain(["object", "number"]).collect();
+    let of_types = sections
+        .iter()
+        .filter_map(|section| section.tail_of(":types"))
+        .flatten();
+    let declared: FxHashSet<&str> = of_types
+        .filter_map(Expression::word)
+        .chain(["object", "number"])
+        .collect();
     used.retain(|name, _| !declared.contains(name) && nearest(name, declared.iter().copied()).is_none());
     let mut items = Vec::new();
     for (name, position) in &used {
@@ -77,7 +84,10 @@ fn declare_types(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<Dia
 /// Collects the types that typed lists name.
 fn types_of<'e>(expression: &'e Expression, used: &mut IndexMap<&'e str, Position>) {
     let Some(items) = expression.list() else { return };
-    if matches!(items.first().and_then(Expression::word), Some(":types" | ":requirements" | "-")) {
+    if matches!(
+        items.first().and_then(Expression::word),
+        Some(":types" | ":requirements" | "-")
+    ) {
         return;
     }
     for pair in items.windows(2) {
@@ -101,8 +111,13 @@ fn types_of<'e>(expression: &'e Expression, used: &mut IndexMap<&'e str, Positio
 /// Leaves out a constant that is declared again with the same type.
 fn repeated_constants(file: &str, sections: &mut [Expression], notes: &mut Vec<Diagnostic>) {
     let mut known: IndexMap<String, Expression> = IndexMap::new();
-    for section in sections.iter_mut().filter(|section| section.tail_of(":constants").is_some()) {
-        let ExpressionKind::List(items) = &mut section.kind else { continue };
+    for section in sections
+        .iter_mut()
+        .filter(|section| section.tail_of(":constants").is_some())
+    {
+        let ExpressionKind::List(items) = &mut section.kind else {
+            continue;
+        };
         *items = distinct(file, std::mem::take(items), &mut known, notes);
     }
 }
@@ -163,14 +178,22 @@ fn groups(items: &[Expression]) -> Vec<(&[Expression], Option<&Expression>)> {
 fn repeated_predicates(file: &str, sections: &mut [Expression], notes: &mut Vec<Diagnostic>) {
     let mut first: IndexMap<(String, usize), (usize, usize)> = IndexMap::new();
     for section in 0..sections.len() {
-        let Some(count) = sections[section].tail_of(":predicates").map(<[_]>::len) else { continue };
+        let Some(count) = sections[section].tail_of(":predicates").map(<[_]>::len) else {
+            continue;
+        };
         let mut left_out = Vec::new();
         for place in 1..=count {
-            let Some(own) = item_of(&sections[section], place).cloned() else { continue };
-            let Some((head, parameters)) = own.list().and_then(<[_]>::split_first) else { continue };
+            let Some(own) = item_of(&sections[section], place).cloned() else {
+                continue;
+            };
+            let Some((head, parameters)) = own.list().and_then(<[_]>::split_first) else {
+                continue;
+            };
             let Some(name) = head.word() else { continue };
             let parameters = typed_parameters(parameters);
-            let known = *first.entry((name.to_owned(), parameters.len())).or_insert((section, place));
+            let known = *first
+                .entry((name.to_owned(), parameters.len()))
+                .or_insert((section, place));
             if known == (section, place) {
                 continue;
             }
@@ -209,7 +232,9 @@ fn typed_parameters(items: &[Expression]) -> Vec<(Expression, Vec<Expression>)> 
 
 /// Adds the types of other parameters to those of a declaration. A parameter without a type admits everything.
 fn widen(declaration: &mut Expression, others: &[(Expression, Vec<Expression>)]) {
-    let ExpressionKind::List(items) = &mut declaration.kind else { return };
+    let ExpressionKind::List(items) = &mut declaration.kind else {
+        return;
+    };
     let own = typed_parameters(&items[1..]);
     items.truncate(1);
     for ((name, mut kinds), (_, other)) in own.into_iter().zip(others) {
@@ -281,7 +306,10 @@ fn declare_predicates(file: &str, sections: &mut Vec<Expression>, notes: &mut Ve
         }
     }
     let heads = |head: &'static str| {
-        let items = sections.iter().filter_map(move |section| section.tail_of(head)).flatten();
+        let items = sections
+            .iter()
+            .filter_map(move |section| section.tail_of(head))
+            .flatten();
         items.filter_map(|item| item.list()?.first()?.word())
     };
     let declared: FxHashSet<&str> = heads(":predicates")
@@ -336,15 +364,24 @@ fn predicates_of<'e>(expression: &'e Expression, used: &mut IndexMap<&'e str, Us
 
 /// Declares `(total-cost)` if an effect increases it and nothing declares it.
 fn declare_cost(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<Diagnostic>) {
-    let mut functions = sections.iter().filter_map(|section| section.tail_of(":functions")).flatten();
-    if functions.any(|own| own.list().and_then(|items| items.first()?.word()) == Some(TOTAL_COST) || own.word() == Some(TOTAL_COST)) {
+    let mut functions = sections
+        .iter()
+        .filter_map(|section| section.tail_of(":functions"))
+        .flatten();
+    if functions.any(|own| {
+        own.list().and_then(|items| items.first()?.word()) == Some(TOTAL_COST) || own.word() == Some(TOTAL_COST)
+    }) {
         return;
     }
     let increased = sections.iter().filter(|section| section.tail_of(":action").is_some());
     let Some(position) = increased.filter_map(increase_of_cost).next() else {
         return;
     };
-    notes.push(Diagnostic::at(file, position, "`(total-cost)` is not declared; it is read as the cost of a plan"));
+    notes.push(Diagnostic::at(
+        file,
+        position,
+        "`(total-cost)` is not declared; it is read as the cost of a plan",
+    ));
     let cost = Expression::of_items(vec![Expression::of_word(TOTAL_COST, position)], position);
     extend(sections, ":functions", vec![cost], position);
 }

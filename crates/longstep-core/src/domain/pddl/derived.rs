@@ -29,7 +29,7 @@ impl Reader<'_> {
             let head = items.first().and_then(|head| head.list()?.first()?.word());
             let ([atom, condition], Some(name)) = (items, head) else {
                 let hint = "write `(:derived (predicate ?x - type) CONDITION)`";
-                self.report_with(section.position, "this derived predicate cannot be read", hint);
+                self.report(section.position, "this derived predicate cannot be read", hint);
                 continue;
             };
             if !semantics.predicates.iter().any(|own| own.name == name) {
@@ -52,11 +52,12 @@ impl Reader<'_> {
         let (sorted, cycles) = (order.sorted, order.cycles);
         for (name, on) in cycles {
             let position = rules[name][0].0.position;
-            let message = format!("the derived predicate `{name}` depends on itself (by `{on}`), which is not supported");
+            let message =
+                format!("the derived predicate `{name}` depends on itself (by `{on}`), which is not supported");
             let hint = format!(
                 "give the facts of `{name}` in the problem if no action changes them, or let the effects of actions keep `{name}` up to date"
             );
-            self.report_with(position, message, hint);
+            self.report(position, message, hint);
         }
         for name in sorted {
             self.definition(name, &rules[name], semantics);
@@ -72,10 +73,22 @@ impl Reader<'_> {
         for (_, atom, condition) in rules {
             let variables = atom.list().map_or(&[][..], |items| &items[1..]);
             let parameters = self.variables(variables, &semantics.types);
-            let declared: Vec<TypeId> = semantics.predicates[index].parameters.iter().map(|own| own.kind).collect();
+            let declared: Vec<TypeId> = semantics.predicates[index]
+                .parameters
+                .iter()
+                .map(|own| own.kind)
+                .collect();
             if parameters.len() != declared.len() {
-                let message = format!("`{name}` takes {} argument(s), not {}", declared.len(), parameters.len());
-                self.report_with(atom.position, message, "use the variables of its declaration in `(:predicates ...)`");
+                let message = format!(
+                    "`{name}` takes {} argument(s), not {}",
+                    declared.len(),
+                    parameters.len()
+                );
+                self.report(
+                    atom.position,
+                    message,
+                    "use the variables of its declaration in `(:predicates ...)`",
+                );
                 continue;
             }
             let mut scope: Scope = parameters.iter().map(|own| (own.name.clone(), own.kind)).collect();
@@ -91,7 +104,7 @@ impl Reader<'_> {
         if extent(&condition).1 > DEPTH {
             let message = format!("the definition of `{name}` is nested more than {DEPTH} deep when it is written out");
             let hint = "define fewer predicates by others, or give their facts in the problem";
-            return self.report_with(rules[0].0.position, message, hint);
+            return self.report(rules[0].0.position, message, hint);
         }
         semantics.derived.push(DerivedPredicate {
             predicate: PredicateId::new(index),
@@ -100,12 +113,22 @@ impl Reader<'_> {
     }
 
     /// Returns the condition that defines a fact, if its predicate is derived.
-    pub(super) fn defined(&mut self, item: &Expression, atom: &Atom, scope: &Scope, names: &Semantics) -> Option<Condition> {
+    pub(super) fn defined(
+        &mut self,
+        item: &Expression,
+        atom: &Atom,
+        scope: &Scope,
+        names: &Semantics,
+    ) -> Option<Condition> {
         let derived = names.derived.iter().find(|own| own.predicate == atom.predicate)?;
         self.expanded += extent(&derived.condition).0;
         if self.expanded > PARTS {
             let message = "the derived predicates are too large when they are written out";
-            self.report_with(item.position, message, "define fewer of them by others, or give their facts in the problem");
+            self.report(
+                item.position,
+                message,
+                "define fewer of them by others, or give their facts in the problem",
+            );
             return Some(Condition::TRUE);
         }
         let parameters = &names.predicates[atom.predicate.index()].parameters;
@@ -122,7 +145,10 @@ impl Reader<'_> {
         let arity = parameters.len();
         let slot = |slot: usize| slot - arity + scope.len();
         let term = |term: Term| match term {
-            Term::Variable(variable) => atom.terms.get(variable).copied().unwrap_or(Term::Variable(slot(variable))),
+            Term::Variable(variable) => match atom.terms.get(variable) {
+                Some(term) => *term,
+                None => Term::Variable(slot(variable)),
+            },
             constant @ Term::Constant(_) => constant,
         };
         let own = derived.condition.clone().with_terms(&slot, &term);
@@ -136,9 +162,13 @@ impl Reader<'_> {
 
 /// Returns the number of parts of a condition, and how deep they are nested.
 fn extent(condition: &Condition) -> (usize, usize) {
-    condition.parts().iter().map(extent).fold((1, 1), |(parts, depth), (others, below)| {
-        (parts + others, depth.max(below + 1))
-    })
+    condition
+        .parts()
+        .iter()
+        .map(extent)
+        .fold((1, 1), |(parts, depth), (others, below)| {
+            (parts + others, depth.max(below + 1))
+        })
 }
 
 /// Returns the condition that an entity is of a type; `slot` is free.

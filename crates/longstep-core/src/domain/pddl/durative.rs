@@ -17,7 +17,14 @@ enum Time {
 type Timed = Vec<(Time, Expression)>;
 
 /// Rewrites the durative actions of a domain's sections.
-pub(super) fn adapt(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<Diagnostic>) {
+///
+/// `problem` tells how large the durations are, if it is known.
+pub(super) fn adapt(
+    file: &str,
+    sections: &mut Vec<Expression>,
+    problem: Option<&Expression>,
+    notes: &mut Vec<Diagnostic>,
+) {
     let is_durative = |own: &Expression| own.tail_of(":durative-action").is_some();
     let Some(first) = sections.iter().find(|own| is_durative(own)) else {
         return;
@@ -29,11 +36,11 @@ pub(super) fn adapt(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<
     let mut changed = Vec::new();
     sections.iter().for_each(|own| changed_numbers(own, &mut changed));
     let durations = sections.iter().filter_map(|own| own.tail_of(":durative-action"));
-    let mut durations = durations.map(|items| duration(items).is_some_and(|own| is_fixed(&own, &changed)));
+    let mut durations = durations.map(|items| duration(items).is_some_and(|own| is_fixed(&own, &changed, problem)));
     let costs = durations.all(|is_fixed| is_fixed) && !sections.iter().any(is_costly);
     message.push_str(match costs {
         true => "; their durations are costs",
-        false => "; durations are left out as costs, since some change or have quotients, or costs are there already",
+        false => "; durations are no costs, since some change, are computed, or differ too much to be added up, or costs are there already",
     });
     notes.push(Diagnostic::at(file, first.position, message));
     for section in sections.iter_mut() {
@@ -74,24 +81,53 @@ fn field<'a>(items: &'a [Expression], key: &str) -> Option<&'a Expression> {
 fn changed_numbers<'e>(expression: &'e Expression, changed: &mut Vec<&'e str>) {
     let Some(items) = expression.list() else { return };
     let words: Vec<Option<&str>> = items.iter().map(Expression::word).collect();
-    if let ([Some("increase" | "decrease" | "assign" | "scale-up" | "scale-down"), _, _], [_, fluent, _]) = (&words[..], items) {
+    if let (
+        [
+            Some("increase" | "decrease" | "assign" | "scale-up" | "scale-down"),
+            _,
+            _,
+        ],
+        [_, fluent, _],
+    ) = (&words[..], items)
+    {
         let name = fluent.word().or_else(|| fluent.list()?.first()?.word());
         changed.extend(name);
     }
     items.iter().for_each(|item| changed_numbers(item, changed));
 }
 
-/// Returns true for a duration that may be a cost: sums and products of numbers that no action changes. Quotients are rounded,
-/// and costs are added up exactly.
-fn is_fixed(duration: &Expression, changed: &[&str]) -> bool {
+/// The largest duration that may be a cost, in units of its last decimal: search adds costs up exactly.
+const LARGEST: f64 = 400_000.0;
+
+/// Returns true for a duration that may be a cost: a number, a function that no action changes, or a sum of them.
+fn is_fixed(duration: &Expression, changed: &[&str], problem: Option<&Expression>) -> bool {
     let Some((head, rest)) = duration.list().and_then(<[_]>::split_first) else {
-        return duration.word().is_some_and(|own| own.parse::<f64>().is_ok_and(|own| own >= 0.0));
+        return duration
+            .word()
+            .is_some_and(|own| own.parse::<f64>().is_ok_and(|own| own >= 0.0));
     };
     match head.word() {
-        Some("+" | "*") => rest.iter().all(|part| is_fixed(part, changed)),
-        Some("-" | "/") | None => false,
-        Some(name) => !changed.contains(&name),
+        Some("+") => rest.iter().all(|part| is_fixed(part, changed, problem)),
+        Some("*" | "-" | "/") | None => false,
+        Some(name) => !changed.contains(&name) && problem.is_none_or(|problem| is_small(name, problem)),
     }
+}
+
+/// Returns true if the numbers that a problem gives for a function can be added up exactly.
+fn is_small(function: &str, problem: &Expression) -> bool {
+    let sections = problem.tail_of("define").unwrap_or_default();
+    let facts = sections.iter().filter_map(|section| section.tail_of(":init")).flatten();
+    let values = facts.filter_map(|fact| match fact.tail_of("=")? {
+        [fluent, value] if fluent.tail_of(function).is_some() => value.word(),
+        _ => None,
+    });
+    let (mut greatest, mut places) = (0.0_f64, 0);
+    for value in values {
+        greatest = greatest.max(value.parse().unwrap_or(f64::INFINITY));
+        let decimals = value.split_once('.').map_or("", |(_, decimals)| decimals);
+        places = places.max(decimals.trim_end_matches('0').len());
+    }
+    i32::try_from(places).is_ok_and(|places| greatest * 10_f64.powi(places) <= LARGEST)
 }
 
 /// The shortest duration; the longest if it is only limited from above.
@@ -135,7 +171,10 @@ fn action(items: &[Expression], position: Position, costs: bool) -> Expression {
         .filter(|(time, _)| *time != Time::Start)
         .map(|(_, own)| own)
         .collect();
-    let is_overwritten = |own: &Expression| last.iter().any(|other| atom(own).is_same(atom(other)) && is_literal(own));
+    let is_overwritten = |own: &Expression| {
+        last.iter()
+            .any(|other| atom(own).is_same(atom(other)) && is_literal(own))
+    };
     let first = brought
         .iter()
         .filter(|own| !is_overwritten(own))

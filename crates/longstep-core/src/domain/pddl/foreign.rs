@@ -35,7 +35,7 @@ pub(crate) fn read(file: &str, text: &str, problem: Option<&Expression>) -> Resu
         if let Some(problem) = problem {
             declare_constants(file, define, problem, &mut notes);
         }
-        adapt(file, define, &mut notes);
+        adapt(file, define, problem, &mut notes);
     }
     is_rewritten |= expressions != as_parsed;
     Ok(Adapted {
@@ -54,7 +54,10 @@ pub(crate) fn read_problem(file: &str, text: &str) -> Result<Adapted, Diagnostic
     }
     if let Some(ExpressionKind::List(sections)) = expressions.first_mut().map(|define| &mut define.kind) {
         let mut known = indexmap::IndexMap::new();
-        for section in sections.iter_mut().filter(|section| section.tail_of(":objects").is_some()) {
+        for section in sections
+            .iter_mut()
+            .filter(|section| section.tail_of(":objects").is_some())
+        {
             let ExpressionKind::List(items) = &mut section.kind else {
                 continue;
             };
@@ -191,7 +194,10 @@ fn closed(file: &str, text: &str, notes: &mut Vec<Diagnostic>) -> Result<Vec<Exp
         shorter = shorter.strip_suffix(')').unwrap_or(shorter).trim_end();
         for (text, message) in [
             (longer.as_str(), format!("{count} `)` at the end is missing")),
-            (shorter, format!("{count} `)` at the end closes nothing and is left out")),
+            (
+                shorter,
+                format!("{count} `)` at the end closes nothing and is left out"),
+            ),
         ] {
             match sexpr::read(file, text) {
                 Ok(expressions) if expressions.len() == 1 => {
@@ -239,7 +245,7 @@ fn split_words(expression: &mut Expression) {
     *items = split;
 }
 
-fn adapt(file: &str, define: &mut Expression, notes: &mut Vec<Diagnostic>) {
+fn adapt(file: &str, define: &mut Expression, problem: Option<&Expression>, notes: &mut Vec<Diagnostic>) {
     let ExpressionKind::List(sections) = &mut define.kind else {
         return;
     };
@@ -253,7 +259,7 @@ fn adapt(file: &str, define: &mut Expression, notes: &mut Vec<Diagnostic>) {
             _ => {}
         }
     }
-    durative::adapt(file, sections, notes);
+    durative::adapt(file, sections, problem, notes);
     conditional_costs(file, sections, notes);
     declarations::adapt(file, sections, notes);
 }
@@ -261,7 +267,10 @@ fn adapt(file: &str, define: &mut Expression, notes: &mut Vec<Diagnostic>) {
 /// Leaves out costs that depend on a condition: the cost of a step does not depend on facts.
 fn conditional_costs(file: &str, sections: &mut [Expression], notes: &mut Vec<Diagnostic>) {
     let mut first = None;
-    for section in sections.iter_mut().filter(|section| section.tail_of(":action").is_some()) {
+    for section in sections
+        .iter_mut()
+        .filter(|section| section.tail_of(":action").is_some())
+    {
         without_costs(section, false, &mut first);
     }
     if let Some(position) = first {

@@ -119,7 +119,11 @@ pub(crate) fn read_expressions(
         Some([name]) if name.word().is_some() => {
             semantics.name = name.word().unwrap_or_default().to_owned();
         }
-        _ => reader.report(define.position, "the domain has no name: expected `(domain NAME)`"),
+        _ => reader.report(
+            define.position,
+            "the domain has no name: expected `(domain NAME)`",
+            "write `(define (domain NAME) ...)`",
+        ),
     }
     // Sections may come in any order, but some use the names of others.
     let known = [
@@ -139,7 +143,7 @@ pub(crate) fn read_expressions(
                 head.unwrap_or("?"),
                 known.join(", ")
             );
-            reader.report(section.position, message);
+            reader.report(section.position, message, section_hint(head.unwrap_or("?"), &known));
         }
     }
     let of = |head: &'static str| sections.iter().filter_map(move |s| Some((s, s.tail_of(head)?)));
@@ -148,7 +152,7 @@ pub(crate) fn read_expressions(
             let word = item.word().unwrap_or("?");
             if !REQUIREMENTS.contains(&word) {
                 let message = format!("the requirement `{word}` is not supported");
-                reader.report(item.position, message);
+                reader.report(item.position, message, "remove it, and what it is for");
             }
         }
     }
@@ -158,7 +162,12 @@ pub(crate) fn read_expressions(
     for (_, items) in of(":constants") {
         for (name, kind, position) in reader.typed_list(items, &semantics.types) {
             if semantics.constants.iter().any(|(known, _)| *known == name) {
-                reader.report(position, format!("the constant `{name}` is declared twice"));
+                let message = format!("the constant `{name}` is declared twice");
+                reader.report(
+                    position,
+                    message,
+                    "keep one of the declarations, or give one another name",
+                );
             }
             semantics.constants.push((name, kind));
         }
@@ -176,6 +185,60 @@ pub(crate) fn read_expressions(
         reader.action(section, items, &mut semantics);
     }
     semantics
+}
+
+/// Returns what to write in place of a section that is not read.
+fn section_hint(head: &str, known: &[&str]) -> String {
+    let hint = match head {
+        ":process" | ":event" => "PDDL+ is not read: let actions change the facts and numbers",
+        ":axiom" => "write it as `(:derived (predicate ?x - type) CONDITION)`",
+        ":constraints" => "write it as a `[[rule]]` in `domain.toml`, or with `--rules`",
+        ":task" | ":method" => "tasks and methods are not read: write a goal, and search finds the steps",
+        ":init" | ":goal" | ":objects" | ":metric" => "put it into the problem file",
+        _ => match nearest(head, known.iter().copied()) {
+            Some(near) => return format!("did you mean `{near}`?"),
+            None => "remove it",
+        },
+    };
+    hint.to_owned()
+}
+
+/// Returns what to write in place of a part of an action that is not read.
+fn part_hint(key: &str) -> String {
+    let known = [":parameters", ":precondition", ":effect"];
+    match key {
+        ":observe" | ":sense" => {
+            "an action that senses has the effect `(and)` and names its outcomes as `senses` in `domain.toml`"
+                .to_owned()
+        }
+        ":duration" | ":condition" => "write `:durative-action` in place of `:action`".to_owned(),
+        _ => match nearest(key, known) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "remove it, or check the parentheses before it".to_owned(),
+        },
+    }
+}
+
+/// The names that a hint lists.
+const LISTED: usize = 8;
+
+/// Returns where an unknown name can be declared, or which names are known.
+fn declaration_hint(what: &str, known: &[&str]) -> String {
+    let section = match what {
+        "type" => "(:types ...)",
+        "predicate" => "(:predicates ...)",
+        "function" => "(:functions ...)",
+        "constant" => "(:constants ...)` or `(:objects ...)",
+        // A variable.
+        _ => ":parameters (?x - type)",
+    };
+    let mut hint = format!("declare it in `{section}`");
+    if !known.is_empty() {
+        let listed: Vec<String> = known.iter().take(LISTED).map(|name| format!("`{name}`")).collect();
+        let more = if known.len() > LISTED { ", ..." } else { "" };
+        hint.push_str(&format!("; known are {}{more}", listed.join(", ")));
+    }
+    hint
 }
 
 /// Variables in scope, outermost first.
@@ -204,12 +267,7 @@ impl Reader<'_> {
         }
     }
 
-    pub(crate) fn report(&mut self, position: Position, message: impl Into<String>) {
-        let position = self.place(position);
-        self.findings.push(Diagnostic::at(self.file, position, message));
-    }
-
-    pub(crate) fn report_with(&mut self, position: Position, message: impl Into<String>, hint: impl Into<String>) {
+    pub(crate) fn report(&mut self, position: Position, message: impl Into<String>, hint: impl Into<String>) {
         let position = self.place(position);
         self.findings
             .push(Diagnostic::at(self.file, position, message).hint(hint));
@@ -224,21 +282,32 @@ impl Reader<'_> {
     ) {
         let position = self.place(position);
         let mut finding = Diagnostic::at(self.file, position, format!("unknown {what} `{name}`"));
-        if let Some(near) = nearest(name, known) {
-            finding = finding.hint(format!("did you mean `{near}`?"));
-        }
+        let known: Vec<&str> = known.into_iter().collect();
+        finding = finding.hint(match nearest(name, known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => declaration_hint(what, &known),
+        });
         self.findings.push(finding);
     }
 
     fn action(&mut self, section: &Expression, items: &[Expression], semantics: &mut Semantics) {
         let [name, fields @ ..] = items else {
-            return self.report(section.position, "an action needs a name");
+            return self.report(
+                section.position,
+                "an action needs a name",
+                "write `(:action NAME :parameters (?x - type) ...)`",
+            );
         };
         let Some(word) = name.word() else {
-            return self.report(name.position, "an action needs a name");
+            return self.report(
+                name.position,
+                "an action needs a name",
+                "write `(:action NAME :parameters (?x - type) ...)`",
+            );
         };
         if semantics.actions.iter().any(|a| a.name == word) {
-            return self.report(name.position, format!("the action `{word}` is declared twice"));
+            let message = format!("the action `{word}` is declared twice");
+            return self.report(name.position, message, "give one of them another name");
         }
         let (mut parameters, mut guards) = (Vec::new(), Vec::new());
         let mut precondition = Condition::TRUE;
@@ -250,14 +319,22 @@ impl Reader<'_> {
             {
                 match value.list() {
                     Some(list) => (parameters, guards) = self.guarded(list, &semantics.types, 0),
-                    None => self.report(value.position, "expected `(?x - type ...)`"),
+                    None => self.report(
+                        value.position,
+                        "expected `(?x - type ...)`",
+                        "write the variables in parentheses",
+                    ),
                 }
             }
         }
         let mut scope: Scope = parameters.iter().map(|p| (p.name.clone(), p.kind)).collect();
         for pair in fields.chunks(2) {
             let [key, value] = pair else {
-                self.report(pair[0].position, "this has no value");
+                self.report(
+                    pair[0].position,
+                    "this has no value",
+                    "write what it needs behind it, or remove it",
+                );
                 continue;
             };
             match key.word() {
@@ -272,7 +349,7 @@ impl Reader<'_> {
                         "`{}` is not a part of an action; known are :parameters, :precondition, :effect",
                         other.unwrap_or("?")
                     );
-                    self.report(key.position, message);
+                    self.report(key.position, message, part_hint(other.unwrap_or("?")));
                 }
             }
         }

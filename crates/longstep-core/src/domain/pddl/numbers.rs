@@ -27,17 +27,26 @@ impl Reader<'_> {
                         self.report(
                             position,
                             "a function has the type `number`; other types are not supported",
+                            "write a predicate with the value as its last argument",
                         );
                     }
                 }
                 continue;
             }
             let Some([head, parameters @ ..]) = item.list() else {
-                self.report(item.position, "expected `(function ?x - type)`");
+                self.report(
+                    item.position,
+                    "expected `(function ?x - type)`",
+                    "write the declaration in parentheses",
+                );
                 continue;
             };
             let Some(name) = head.word() else {
-                self.report(head.position, "expected a function's name");
+                self.report(
+                    head.position,
+                    "expected a function's name",
+                    "write `(function ?x - type)`",
+                );
                 continue;
             };
             // With arguments, it is a number like others.
@@ -47,7 +56,8 @@ impl Reader<'_> {
             }
             let taken = |own: &Predicate| own.name == name;
             if semantics.functions.iter().any(taken) || semantics.predicates.iter().any(taken) {
-                self.report(head.position, format!("`{name}` is declared twice"));
+                let message = format!("`{name}` is declared twice");
+                self.report(head.position, message, "give one of them another name");
                 continue;
             }
             if let Some(function) = self.declaration(head, name, parameters, &semantics.types) {
@@ -74,12 +84,20 @@ impl Reader<'_> {
                     "`{}` is no number: expected digits with at most six places after the point, or `(function ...)`",
                     item.word().unwrap_or("?")
                 );
-                self.report(item.position, message);
+                self.report(
+                    item.position,
+                    message,
+                    "write a number, or declare the function in `(:functions ...)`",
+                );
             }
             return number.map(Arithmetic::Constant);
         };
         let Some((head, rest)) = list.split_first() else {
-            self.report(item.position, "expected a number or `(function argument ...)`");
+            self.report(
+                item.position,
+                "expected a number or `(function argument ...)`",
+                "write one of them",
+            );
             return None;
         };
         let Some(operation) = head.word().and_then(Operation::of) else {
@@ -97,7 +115,11 @@ impl Reader<'_> {
         let many = matches!(operation, Operation::Plus | Operation::Times);
         if values.len() < 2 || (values.len() > 2 && !many) {
             let message = format!("`{}` has the wrong number of parts", operation.symbol());
-            self.report(item.position, message);
+            self.report(
+                item.position,
+                message,
+                "sums and products have two or more parts, differences and quotients two",
+            );
             return None;
         }
         let folded = values
@@ -111,7 +133,7 @@ impl Reader<'_> {
     pub(crate) fn application(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<Application> {
         let bare = is_bare(item, names).then_some((item, &[][..]));
         let Some((head, arguments)) = bare.or_else(|| item.list().and_then(<[_]>::split_first)) else {
-            self.report_with(
+            self.report(
                 item.position,
                 "expected `(function argument ...)`",
                 "write a number that the domain declares in `(:functions ...)`",
@@ -124,6 +146,7 @@ impl Reader<'_> {
                 self.report(
                     head.position,
                     "`(total-cost)` is the cost of the plan; only effects may increase it",
+                    "declare a function of another name and increase it too",
                 );
             } else {
                 let known = names.functions.iter().map(|own| own.name.as_str());
@@ -167,7 +190,11 @@ impl Reader<'_> {
     ) {
         let [fluent, value] = rest else {
             let message = format!("`{}` has the wrong number of parts", kind.word());
-            return self.report(item.position, message);
+            return self.report(
+                item.position,
+                message,
+                format!("write `({} (function argument ...) NUMBER)`", kind.word()),
+            );
         };
         let is_cost = fluent
             .list()
@@ -176,7 +203,7 @@ impl Reader<'_> {
             let value = self.number(value, scope, names);
             if kind != NumberChangeKind::Increase || !forall.is_empty() || *when != Condition::TRUE {
                 let message = "the cost of a step is one `(increase (total-cost) ...)` outside of `when` and `forall`";
-                return self.report(item.position, message);
+                return self.report(item.position, message, "write it once in the effect, outside of them");
             }
             effects.cost = match (effects.cost.take(), value) {
                 (Some(one), Some(other)) => Some(Arithmetic::operation(Operation::Plus, one, other)),

@@ -35,7 +35,11 @@ impl Reader<'_> {
                 Some(name) => {
                     types.intern(name);
                 }
-                None => self.report(item.position, "expected a type's name (`either` is not supported)"),
+                None => self.report(
+                    item.position,
+                    "expected a type's name (`either` is not supported)",
+                    "give a type one parent",
+                ),
             }
         }
         let mut waiting = Vec::new();
@@ -44,7 +48,7 @@ impl Reader<'_> {
             match item.word() {
                 Some("-") => {
                     let Some(parent) = words.next().and_then(Expression::word) else {
-                        self.report(item.position, "`-` needs a type after it");
+                        self.report(item.position, "`-` needs a type after it", "write `?x - type`");
                         break;
                     };
                     let parent = types.intern(parent);
@@ -55,7 +59,7 @@ impl Reader<'_> {
                         }
                         if !types.set_parent(child, parent) {
                             let message = format!("the type `{}` would be its own ancestor", types.name(child));
-                            self.report(item.position, message);
+                            self.report(item.position, message, "remove one of the two parents");
                         }
                     }
                 }
@@ -79,7 +83,7 @@ impl Reader<'_> {
             match item.word() {
                 Some("-") => {
                     let Some(kind) = words.next() else {
-                        self.report(item.position, "`-` needs a type after it");
+                        self.report(item.position, "`-` needs a type after it", "write `?x - type`");
                         break;
                     };
                     if let Some((kind, members)) = self.type_of(kind, types, union) {
@@ -96,7 +100,7 @@ impl Reader<'_> {
                     members: Vec::new(),
                     position: item.position,
                 }),
-                None => self.report(item.position, "expected a name"),
+                None => self.report(item.position, "expected a name", "check the parentheses before it"),
             }
         }
         list
@@ -139,10 +143,8 @@ impl Reader<'_> {
                     types.name(other)
                 );
                 let position = self.place(item.position);
-                self.findings.push(
-                    Diagnostic::at(self.file, position, message)
-                        .hint("write the one type that the object has"),
-                );
+                self.findings
+                    .push(Diagnostic::at(self.file, position, message).hint("write the one type that the object has"));
                 None
             }
             Some(_) if union == Union::Guarded => Some((parent, kinds)),
@@ -157,11 +159,18 @@ impl Reader<'_> {
 
     /// Parses the variables of an action or a quantifier, and the condition that those with `(either ...)` have one of its
     /// types. `outer` is the number of variables around them.
-    pub(super) fn guarded(&mut self, items: &[Expression], types: &Types, outer: usize) -> (Vec<Parameter>, Vec<Condition>) {
+    pub(super) fn guarded(
+        &mut self,
+        items: &[Expression],
+        types: &Types,
+        outer: usize,
+    ) -> (Vec<Parameter>, Vec<Condition>) {
         let (variables, members) = self.variables_of(items, types, Union::Guarded);
         let free = outer + variables.len();
         let is_member = |(index, kinds): (usize, Vec<TypeId>)| {
-            let one = kinds.into_iter().map(|kind| is_of(Term::Variable(outer + index), kind, free));
+            let one = kinds
+                .into_iter()
+                .map(|kind| is_of(Term::Variable(outer + index), kind, free));
             Condition::Or(one.collect())
         };
         let unions = members.into_iter().enumerate().filter(|(_, kinds)| !kinds.is_empty());
@@ -185,7 +194,8 @@ impl Reader<'_> {
         {
             match name.strip_prefix('?') {
                 Some(name) if variables.iter().any(|known| known.name == name) => {
-                    self.report(position, format!("`?{name}` is declared twice"));
+                    let message = format!("`?{name}` is declared twice");
+                    self.report(position, message, "give one of them another name");
                 }
                 Some(name) => {
                     variables.push(Parameter {
@@ -194,7 +204,14 @@ impl Reader<'_> {
                     });
                     unions.push(members);
                 }
-                None => self.report(position, format!("`{name}` must be a variable, as in `?{name}`")),
+                None => {
+                    let message = format!("`{name}` must be a variable, as in `?{name}`");
+                    self.report(
+                        position,
+                        message,
+                        format!("write `?{name}`, or `- {name}` if it is a type"),
+                    );
+                }
             }
         }
         (variables, unions)
@@ -202,13 +219,22 @@ impl Reader<'_> {
 
     pub(super) fn predicate(&mut self, item: &Expression, semantics: &mut Semantics) {
         let Some([head, parameters @ ..]) = item.list() else {
-            return self.report(item.position, "expected `(predicate ?x - type)`");
+            return self.report(
+                item.position,
+                "expected `(predicate ?x - type)`",
+                "write the declaration in parentheses",
+            );
         };
         let Some(name) = head.word() else {
-            return self.report(head.position, "expected a predicate's name");
+            return self.report(
+                head.position,
+                "expected a predicate's name",
+                "write `(predicate ?x - type)`",
+            );
         };
         if semantics.predicates.iter().any(|p| p.name == name) {
-            return self.report(head.position, format!("the predicate `{name}` is declared twice"));
+            let message = format!("the predicate `{name}` is declared twice");
+            return self.report(head.position, message, "give one of them another name");
         }
         if let Some(predicate) = self.declaration(head, name, parameters, &semantics.types) {
             semantics.predicate_positions.push(head.position);
@@ -227,7 +253,7 @@ impl Reader<'_> {
         let parameters = self.variables_of(parameters, types, Union::Wider).0;
         if parameters.len() > ARITY_LIMIT {
             let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
-            self.report(head.position, message);
+            self.report(head.position, message, "leave out some, or split it into two");
             return None;
         }
         Some(Predicate {
