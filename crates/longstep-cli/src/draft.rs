@@ -7,10 +7,10 @@ use longstep_core::environment::World;
 use longstep_core::goal::{self, GoalError};
 use longstep_core::json;
 use longstep_core::model::{Prohibition, Wanted};
-use longstep_core::pddl::{self, Problem};
+use longstep_core::pddl::Problem;
 use longstep_core::plan;
 use longstep_core::verify::VerifiedPlan;
-use longstep_llm::{load_domain, read_text};
+use longstep_llm::load_domain;
 
 use crate::arguments::{DraftArguments, domain_or_default, required};
 use crate::failure::Failure;
@@ -37,16 +37,15 @@ impl Draft {
             return Self::for_problem(arguments, problem);
         }
         let domain = load_domain(domain_or_default(arguments.domain.as_ref()))?;
-        let (read, text) = Self::text(arguments, &domain)?;
-        let shown = arguments.plan.display().to_string();
-        let planned = read.as_ref().and_then(|draft| other_domain(&draft.file, &domain));
-        let is_foreign = planned.is_some() || read.as_ref().is_some_and(|draft| knows_no_step(&draft.file, &domain));
-        let before = read.as_ref().and_then(|draft| draft.file.environment_before.as_ref());
-        let world = match (&arguments.env, before) {
+        let read = inputs::PlanText::read(&arguments.plan, &domain)?;
+        let shown = read.shown.clone();
+        let planned = read.draft().and_then(|draft| other_domain(&draft.file, &domain));
+        let is_foreign = planned.is_some() || read.draft().is_some_and(|draft| knows_no_step(&draft.file, &domain));
+        let world = match (&arguments.env, read.before()) {
             (Some(path), _) => inputs::world(&domain, path, None)?,
             (None, Some(environment)) => {
                 let inside = json::Path::key("environment_before");
-                let world = inputs::read_world(&domain, environment, &shown, &text, &inside);
+                let world = inputs::read_world(&domain, environment, &shown, &read.text, &inside);
                 match (world, is_foreign) {
                     (Err(error), false) => return Err(error),
                     (Err(_), true) => return Err(wrong_domain(&shown, planned, &domain).into()),
@@ -63,13 +62,9 @@ impl Draft {
                     .into());
             }
         };
-        let (draft, notes) = match read {
-            Some(draft) => {
-                let notes = changed_domain(&draft.file, &domain).into_iter().collect();
-                (draft, notes)
-            }
-            None => inputs::printed_plan(&world, &shown, &text)?,
-        };
+        let changed = read.draft().and_then(|draft| changed_domain(&draft.file, &domain));
+        let (draft, mut notes) = read.for_world(&world)?;
+        notes.extend(changed);
         let mut world = inputs::with_rules(world, arguments.rules.as_deref())?;
         let mut goal = None;
         if let Some(purpose) = &draft.file.purpose {
@@ -105,29 +100,13 @@ impl Draft {
         }
     }
 
-    /// Reads the text of a plan file; none in place of a draft for what a planner prints, which is read when its world is known.
-    fn text(
-        arguments: &DraftArguments,
-        domain: &longstep_core::domain::Domain,
-    ) -> Result<(Option<plan::Draft>, String)> {
-        let text = read_text(&arguments.plan)?;
-        let read = match inputs::draft(&arguments.plan, &text) {
-            Err(_) if pddl::is_plan(domain, &text) => None,
-            read => Some(read?),
-        };
-        Ok((read, text))
-    }
-
     fn for_problem(arguments: &DraftArguments, problem: Problem) -> Result<Self> {
         let Problem {
             world, wanted, notes, ..
         } = problem;
-        let (read, text) = Self::text(arguments, world.domain())?;
+        let read = inputs::PlanText::read(&arguments.plan, world.domain())?;
         let of_problem = notes.iter().map(ToString::to_string);
-        let (draft, notes) = match read {
-            Some(draft) => (draft, Vec::new()),
-            None => inputs::printed_plan(&world, &arguments.plan.display().to_string(), &text)?,
-        };
+        let (draft, notes) = read.for_world(&world)?;
         Ok(Self {
             world,
             draft,

@@ -105,7 +105,7 @@ pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
 }
 
 /// Reads the text of a plan file.
-pub(crate) fn draft(path: &Path, text: &str) -> Result<plan::Draft> {
+fn draft(path: &Path, text: &str) -> Result<plan::Draft> {
     let shown = path.display();
     if path.extension().is_some_and(|extension| extension == "py") {
         let written = plan::script::read(text)
@@ -118,8 +118,79 @@ pub(crate) fn draft(path: &Path, text: &str) -> Result<plan::Draft> {
     Ok(plan::read(text).map_err(|error| Failure::unreadable(format!("{shown}: {error}")).hint(error.hint()))?)
 }
 
+/// The text of a plan file, which may also be what a planner printed; its names decide that when its world is known.
+pub(crate) struct PlanText {
+    draft: Result<plan::Draft>,
+    /// True if the text may be the plan of a planner.
+    is_printed: bool,
+    pub(crate) shown: String,
+    pub(crate) text: String,
+}
+
+impl PlanText {
+    pub(crate) fn read(path: &Path, domain: &longstep_core::domain::Domain) -> Result<Self> {
+        let text = read_text(path)?;
+        let draft = draft(path, &text);
+        let is_printed = pddl::is_plan(domain, &text);
+        match draft {
+            Err(error) if !is_printed => Err(error),
+            draft => Ok(Self {
+                draft,
+                is_printed,
+                shown: path.display().to_string(),
+                text,
+            }),
+        }
+    }
+
+    /// Returns the plan, if the text has one that can be read without a world.
+    pub(crate) fn draft(&self) -> Option<&plan::Draft> {
+        self.draft.as_ref().ok()
+    }
+
+    /// Returns the world before the plan, if the file has it.
+    pub(crate) fn before(&self) -> Option<&Environment> {
+        self.draft()?.file.environment_before.as_ref()
+    }
+
+    /// Returns the plan with notes for a person.
+    pub(crate) fn for_world(self, world: &World) -> Result<(plan::Draft, Vec<String>)> {
+        if !self.is_printed {
+            return Ok((self.draft?, Vec::new()));
+        }
+        let printed = printed_plan(world, &self.shown, &self.text);
+        let Ok(draft) = self.draft else { return printed };
+        let own = plan::resolve(world, &draft.file.task_cohesion);
+        let Ok((other, notes)) = printed else {
+            return Ok((draft, Vec::new()));
+        };
+        if !own.issues.is_empty() || is_same(&own, &plan::resolve(world, &other.file.task_cohesion)) {
+            return Ok((other, notes));
+        }
+        let message = format!(
+            "{} can be read in two ways that are not the same: as calls, and as the plan of a planner with all arguments in the order of PDDL",
+            self.shown
+        );
+        Err(Failure::unreadable(message)
+            .hint("write the steps as `(action argument ...)` for a planner's plan, or as JSON under `plan`")
+            .into())
+    }
+}
+
+/// Returns true if two plans have the same steps, as far as their arguments are given.
+fn is_same(one: &plan::Resolved, other: &plan::Resolved) -> bool {
+    let is_same_step = |(one, other): (&Option<plan::DraftStep>, &Option<plan::DraftStep>)| match (one, other) {
+        (Some(one), Some(other)) => {
+            let mut arguments = one.arguments.iter().zip(&other.arguments);
+            one.action == other.action && arguments.all(|(one, other)| one.is_none() || one == other)
+        }
+        _ => false,
+    };
+    one.steps.len() == other.steps.len() && one.steps.iter().zip(&other.steps).all(is_same_step)
+}
+
 /// Reads what a planner printed as a plan of the world; returns it with notes for a person.
-pub(crate) fn printed_plan(world: &World, shown: &str, text: &str) -> Result<(plan::Draft, Vec<String>)> {
+fn printed_plan(world: &World, shown: &str, text: &str) -> Result<(plan::Draft, Vec<String>)> {
     let pddl::ForeignPlan { steps, notes } = pddl::read_plan(world, shown, text)?;
     let steps = steps
         .into_iter()

@@ -1,5 +1,7 @@
 //! Everyday names for entities, and sentences for facts.
 
+use std::borrow::Cow;
+
 use indexmap::IndexMap;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -224,6 +226,29 @@ pub fn fact_text(world: &World, fact: Fact, holds: bool) -> String {
 }
 
 impl Entity {
+    /// Iterates over everything that the entity is called: its everyday name, its names, and its names with the number or label of the
+    /// everyday name ("room 102" is "habitación 102", too).
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let text = r#"{"assets": ["<trash_bin_1>", "<trash_bin_2>"], "objects": ["<cup>"]}"#;
+    /// let world = environment::parse(&household, "env.json", text).unwrap();
+    /// let bin = world.entity(world.find("<trash_bin_2>").unwrap());
+    /// assert_eq!(bin.name, "trash bin 2");
+    /// assert!(bin.called().any(|name| name == "trash can 2"));
+    /// ```
+    pub fn called(&self) -> impl Iterator<Item = Cow<'_, str>> {
+        let label = self.names.iter().find_map(|name| self.name.strip_prefix(name.as_str()));
+        let label = label.filter(|label| label.starts_with(' '));
+        let with_label = label.into_iter().flat_map(|label| {
+            let names = self.names.iter().map(move |name| format!("{name}{label}"));
+            names.filter(|name| *name != self.name).map(Cow::Owned)
+        });
+        let plain = std::iter::once(&self.name).chain(&self.names);
+        plain.map(|name| Cow::Borrowed(name.as_str())).chain(with_label)
+    }
+
     /// Returns the largest number of words of one of its names that occur in `words`, which are singular and in lower
     /// case. A name counts only if its head noun occurs: "kitchen" does not mention the kitchen table.
     pub fn words_in(&self, words: &[String]) -> usize {

@@ -1,9 +1,12 @@
 //! A world: its entities and its initial state.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
 
+use super::label::without_brackets;
+use super::lexicon::is_mark;
 use super::prohibition::ForbiddenSteps;
 use super::value::VALUE_LIMIT;
 use super::{Domain, EntityId, Environment, Fact, Prohibition, State, TypeId, Value, When};
@@ -276,8 +279,19 @@ impl World {
 
     /// Returns the entities that exactly this name can mean, as [`Self::named`] says.
     fn with_name(&self, name: &str) -> Vec<EntityId> {
-        if let Some(exact) = self.find(name).or_else(|| self.find_name(name)) {
+        if let Some(exact) = self.find(name) {
             return vec![exact];
+        }
+        // An identifier without brackets may be the name of another entity; then both are meant.
+        let shown = self.find_name(name);
+        let bare = is_bare_identifier(name)
+            .then(|| self.find(&format!("<{name}>")))
+            .flatten();
+        let mut exact: Vec<EntityId> = shown.into_iter().chain(bare).collect();
+        exact.sort_unstable();
+        exact.dedup();
+        if !exact.is_empty() {
+            return exact;
         }
         if let Some(value) = self.domain.value(name) {
             let known = value.ok().and_then(|value| self.find(&value.written));
@@ -290,8 +304,38 @@ impl World {
         };
         match with(&|entity| entity.name.to_lowercase() == folded) {
             shown if !shown.is_empty() => shown,
-            _ => with(&|entity| entity.names.iter().any(|name| name.to_lowercase() == folded)),
+            _ => with(&|entity| entity.called().any(|name| name.to_lowercase() == folded)),
         }
+    }
+
+    /// Returns the entities whose identifiers stand in a text without their brackets, in any case, with their places. An identifier of
+    /// letters alone is a word like others, and none of these. Where the same words are the name of another entity, both are returned.
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let world = environment::parse(&household, "env.json", r#"{"objects": ["<plate_274>", "<can>"]}"#).unwrap();
+    /// let plate = world.find("<plate_274>").unwrap();
+    /// assert_eq!(world.identifiers_in("The can on Plate_274."), [(11..20, plate)]);
+    /// ```
+    pub fn identifiers_in(&self, text: &str) -> Vec<(Range<usize>, EntityId)> {
+        let places: Vec<Range<usize>> = identifier_like(text).collect();
+        if places.is_empty() {
+            return Vec::new();
+        }
+        let words: Vec<String> = places.iter().map(|place| text[place.clone()].to_lowercase()).collect();
+        let mut found = Vec::new();
+        for (id, entity) in self.entities().filter(|(_, entity)| !entity.is_value) {
+            let bare = without_brackets(&entity.identifier).to_lowercase();
+            for (word, place) in words.iter().zip(&places).filter(|(word, _)| **word == bare) {
+                found.push((place.clone(), id));
+                let named = self.entities().filter(|(_, other)| other.name.to_lowercase() == *word);
+                found.extend(named.map(|(other, _)| (place.clone(), other)));
+            }
+        }
+        found.sort_unstable_by_key(|(place, id)| (place.start, *id));
+        found.dedup();
+        found
     }
 
     /// Returns the entity with this identifier or this value in any of its units.
@@ -327,4 +371,24 @@ impl World {
         }
         known
     }
+}
+
+/// Returns true for a text with the form of an identifier that is no word: with letters, and with digits or underscores.
+fn is_bare_identifier(text: &str) -> bool {
+    let is_part = |c: char| c.is_alphanumeric() || is_mark(c) || matches!(c, '_' | '-' | '.');
+    text.contains(char::is_alphabetic)
+        && text.contains(|c: char| c == '_' || c.is_numeric())
+        && text.chars().all(is_part)
+}
+
+/// Iterates over the places of a text that have the form of an identifier.
+fn identifier_like(text: &str) -> impl Iterator<Item = Range<usize>> {
+    let is_part = |c: char| c.is_alphanumeric() || is_mark(c) || matches!(c, '_' | '-' | '.');
+    let words = text.split(move |c| !is_part(c)).filter_map(move |word| {
+        // A full stop ends a sentence.
+        let trimmed = word.trim_matches(['.', '-']);
+        let start = trimmed.as_ptr() as usize - text.as_ptr() as usize;
+        is_bare_identifier(trimmed).then_some(start..start + trimmed.len())
+    });
+    words
 }

@@ -1,14 +1,15 @@
 //! Numbers and quotations in an instruction, and whether a goal contains them.
 
 use std::ops::Range;
+use std::sync::LazyLock;
 
 use rustc_hash::FxHashMap;
 
-use super::names::Mentions;
+use super::names::{Mentions, words};
 use super::{Gap, entities};
 use crate::environment::{EntityId, World};
 use crate::goal::{Goal, GoalFact};
-use crate::model::GoalWordId;
+use crate::model::{GoalWordId, label, plain_words, singular};
 
 /// Pairs of quotation marks. An apostrophe is none: it is part of a word in many languages.
 const QUOTATION_MARKS: [(char, char); 7] = [
@@ -29,23 +30,94 @@ pub(super) fn gaps(world: &World, instruction: &str, goal: &Goal, mentions: &Men
     let quoted = quoted.filter(unknown).map(|range| (range, Gap::Quotation));
     let numbers = numbers(instruction).into_iter().filter(|range| !mentions.cover(range));
     let numbers = numbers
-        .filter(|range| !is_represented(world, &instruction[range.clone()], goal))
+        .filter(|range| !is_represented(world, instruction, range, goal))
         .map(|range| (range, Gap::Quantity));
     quoted.chain(numbers).collect()
 }
 
-/// Returns true if the text has numbers and the goal contains all of them, in a name or as the number of its parts.
-pub(super) fn is_represented(world: &World, text: &str, goal: &Goal) -> bool {
+/// Returns true if a part of the instruction has numbers, in digits or as words, and the goal contains all of them: in a name, as
+/// the label of one of its entities, or as the number of its parts.
+pub(super) fn is_represented(world: &World, instruction: &str, part: &Range<usize>, goal: &Goal) -> bool {
     let known: Vec<String> = texts(world, goal)
         .iter()
         .flat_map(|known| numbers(known).into_iter().map(|range| known[range].to_owned()))
         .collect();
     let counts = counts(world, goal);
-    let numbers = numbers(text);
     let is_known = |number: &str| {
         known.iter().any(|known| known == number) || number.parse().is_ok_and(|count: usize| counts.contains(&count))
     };
-    !numbers.is_empty() && numbers.into_iter().all(|range| is_known(&text[range]))
+    let digits: Vec<Range<usize>> = numbers(&instruction[part.clone()])
+        .into_iter()
+        .map(|range| part.start + range.start..part.start + range.end)
+        .collect();
+    let words = words(instruction);
+    let spelled: Vec<(usize, usize)> = words
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, range))| part.start <= range.start && range.end <= part.end)
+        .filter_map(|(place, (_, range))| {
+            Some((place, *NUMBER_WORDS.get(&*instruction[range.clone()].to_lowercase())?))
+        })
+        .collect();
+    let is_counted = |(place, count): (usize, usize)| {
+        known.contains(&count.to_string())
+            || words[place + 1..]
+                .iter()
+                .take(NOUN_WITHIN)
+                .any(|(noun, _)| counted(world, goal, noun).contains(&count))
+    };
+    (!digits.is_empty() || !spelled.is_empty())
+        && digits
+            .iter()
+            .all(|range| is_known(&instruction[range.clone()]) || is_label(world, instruction, range, goal))
+        && spelled.into_iter().all(is_counted)
+}
+
+/// Number of words behind a number among which is what it counts: "two clean towels".
+const NOUN_WITHIN: usize = 2;
+
+/// The words for numbers in all languages: the language of an instruction is not known.
+static NUMBER_WORDS: LazyLock<FxHashMap<&'static str, usize>> = LazyLock::new(|| {
+    let rows = include_str!("number_words.txt")
+        .lines()
+        .filter(|line| !line.starts_with('#'));
+    let forms = rows.flat_map(|row| row.split_whitespace().enumerate().skip(1));
+    forms
+        .flat_map(|(number, forms)| forms.split('/').map(move |form| (form, number)))
+        .collect()
+});
+
+/// Returns for each goal word how many of its subjects have a noun, in the singular, in one of their names.
+fn counted(world: &World, goal: &Goal, noun: &str) -> Vec<usize> {
+    let has_noun = |entity: &&EntityId| {
+        let names = &world.entity(**entity).names;
+        names
+            .iter()
+            .flat_map(|name| plain_words(name))
+            .any(|word| singular(&word) == noun)
+    };
+    let subjects = subjects(world, goal).into_values();
+    subjects.map(|own| own.iter().filter(has_noun).count()).collect()
+}
+
+/// Returns true if a number is the label of an entity of the goal: it stands behind a name of the entity ("room 102"), or it ends its
+/// clause ("to 102"). A number before a noun is an amount.
+fn is_label(world: &World, instruction: &str, number: &Range<usize>, goal: &Goal) -> bool {
+    let before: Vec<String> = plain_words(&instruction[..number.start]);
+    let last = before.last().map(|word| singular(word));
+    let ends_clause = !instruction[number.end..]
+        .trim_start()
+        .starts_with(char::is_alphanumeric);
+    entities(world, goal).into_iter().any(|entity| {
+        let entity = world.entity(entity);
+        let is_own = !entity.is_value && label(&entity.identifier) == instruction[number.clone()];
+        let names = || entity.names.iter().flat_map(|name| plain_words(name));
+        is_own
+            && (ends_clause
+                || last
+                    .as_ref()
+                    .is_some_and(|last| names().any(|word| singular(&word) == *last)))
+    })
 }
 
 /// Returns true if one of these texts in lower case contains another one, in any case.
@@ -77,6 +149,12 @@ pub(super) fn texts(world: &World, goal: &Goal) -> Vec<String> {
 
 /// Returns for each goal word with several subjects how many there are: "2 cups" are two goals.
 fn counts(world: &World, goal: &Goal) -> Vec<usize> {
+    let counts = subjects(world, goal).into_values().map(|own| own.len());
+    counts.filter(|count| *count > 1).collect()
+}
+
+/// Returns the subjects of each goal word.
+fn subjects(world: &World, goal: &Goal) -> FxHashMap<GoalWordId, Vec<EntityId>> {
     let domain = world.domain();
     let mut subjects: FxHashMap<GoalWordId, Vec<EntityId>> = FxHashMap::default();
     for fact in goal.facts.iter().flat_map(GoalFact::parts) {
@@ -88,10 +166,6 @@ fn counts(world: &World, goal: &Goal) -> Vec<usize> {
         }
     }
     subjects
-        .into_values()
-        .map(|own| own.len())
-        .filter(|count| *count > 1)
-        .collect()
 }
 
 /// Returns the numbers in a text: digits of any script, with points, commas and colons between them.

@@ -319,7 +319,7 @@ fn is_represented(world: &World, instruction: &str, goal: &Goal, mark: &Mark) ->
         Gap::Condition => goal.facts.iter().any(|fact| matches!(fact, GoalFact::If(_))),
         // One goal has no order.
         Gap::Order => !goal.stages.is_empty() || goal.facts.len() < 2,
-        Gap::Quantity => literal::is_represented(world, mark.text(instruction), goal),
+        Gap::Quantity => literal::is_represented(world, instruction, &mark.range, goal),
         Gap::Quotation => literal::contain(&literal::texts(world, goal), mark.text(instruction)),
         Gap::Name | Gap::Other => false,
     }

@@ -37,22 +37,21 @@ impl Mentions {
         let mut found: FxHashMap<(usize, usize), Mention> = FxHashMap::default();
         // A value comes from the text that mentions it; `literal` decides whether a goal has it.
         for (id, entity) in world.entities().filter(|(_, entity)| !entity.is_value) {
-            for name in std::iter::once(&entity.name).chain(&entity.names) {
+            for name in entity.called() {
                 let (ranges, as_words) = match name.contains(|character| character >= WITHOUT_SPACES) {
-                    true => (occurrences(instruction, name), false),
-                    false => (sequences(&words, &places, name), true),
+                    true => (occurrences(instruction, &name), false),
+                    false => (sequences(&words, &places, &name), true),
                 };
-                for range in ranges {
-                    let mention = found.entry((range.start, range.end)).or_insert_with(|| Mention {
-                        range,
-                        entities: Vec::new(),
-                        as_words,
-                    });
-                    if !mention.entities.contains(&id) {
-                        mention.entities.push(id);
-                    }
-                }
+                ranges
+                    .into_iter()
+                    .for_each(|range| enter(&mut found, range, id, as_words));
             }
+        }
+        let identified = world.identifiers_in(instruction);
+        // An identifier is no name of the entities that have its words.
+        found.retain(|_, mention| identified.iter().all(|(place, _)| mention.range != *place));
+        for (place, id) in identified {
+            enter(&mut found, place, id, true);
         }
         let mut all: Vec<Mention> = found.into_values().collect();
         all.sort_by_key(|mention| (std::cmp::Reverse(mention.range.len()), mention.range.start));
@@ -87,6 +86,18 @@ impl Mentions {
             .iter()
             .filter(inside)
             .flat_map(|mention| mention.entities.iter().copied())
+    }
+}
+
+/// Records that a range names an entity.
+fn enter(found: &mut FxHashMap<(usize, usize), Mention>, range: Range<usize>, id: EntityId, as_words: bool) {
+    let mention = found.entry((range.start, range.end)).or_insert_with(|| Mention {
+        range,
+        entities: Vec::new(),
+        as_words,
+    });
+    if !mention.entities.contains(&id) {
+        mention.entities.push(id);
     }
 }
 
@@ -168,7 +179,7 @@ fn occurrences(instruction: &str, name: &str) -> Vec<Range<usize>> {
 }
 
 /// Returns the words of a text in the singular, as [`plain_words`] finds them, with their places.
-fn words(text: &str) -> Vec<(String, Range<usize>)> {
+pub(super) fn words(text: &str) -> Vec<(String, Range<usize>)> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     let mut last = ' ';
     for (at, character) in text.char_indices() {

@@ -68,6 +68,66 @@ fn numbers_are_represented_by_names_and_counts() {
     );
 }
 
+/// Two towels, two rooms and the minibars of a hotel, with names in two languages.
+fn hotel() -> World {
+    const HOTEL: &str = r#"{
+        "assets": ["<room_101>", "<room_102>", "<floor>", "<cart_7>"],
+        "objects": ["<towel_1>", "<towel_2>", "<pen>", "<w1>"],
+        "object_states": {"<towel_1>": "on_something(<floor>)", "<towel_2>": "on_something(<floor>)",
+            "<pen>": "on_something(<floor>)", "<w1>": "on_something(<floor>)"}}"#;
+    let mut files = longstep_core::domain::shipped_files("household").unwrap();
+    let rooms = "[lexicon]\nroom = [\"room\", \"habitación\", \"guest room\"]\n";
+    files.words = files.words.replace("[lexicon]\n", rooms);
+    let domain = longstep_core::domain::load(&files).unwrap();
+    crate::environment::parse(&domain, "env.json", HOTEL).unwrap()
+}
+
+#[test]
+fn numbers_count_what_the_goal_has_and_label_its_places() {
+    let world = hotel();
+    let both = "put(towel 1, room 102) & put(towel 2, room 102)";
+    let one = "put(towel 1, room 102)";
+    for (instruction, goal, marks, expected) in [
+        ("Bring two towels to room 102", both, &["two towels"][..], &[][..]),
+        ("Bring two fresh towels to room 102", both, &["two"], &[]),
+        ("Put both towels in room 102", both, &["both towels"], &[]),
+        ("Put one towel in room 102", one, &["one towel"], &[]),
+        ("Two towels to 102, please", both, &["Two towels", "102"], &[]),
+        ("Bring 2 towels to 102", both, &[], &[]),
+        ("Pon dos towels en la habitación 102", both, &["dos towels"], &[]),
+        (
+            "Bring three towels to room 102",
+            both,
+            &["three towels"],
+            &["three towels"],
+        ),
+        ("Bring two towels to room 102", one, &["two towels"], &["two towels"]),
+        (
+            "Bring the towels to room 102 in two minutes",
+            both,
+            &["two minutes"],
+            &["two minutes"],
+        ),
+        ("Bring the towels to room 102 for two", both, &["for two"], &["for two"]),
+        ("Bring the towels to room 101", both, &[], &["room 101"]),
+        ("Lleva la toalla a la habitación 101", one, &[], &["habitación 101"]),
+        ("Put w1 in guest room 102", "put(w1, room 102)", &[], &[]),
+        ("Put towel_1 in room_102", one, &[], &[]),
+        ("Put towel_2 in room_102", one, &[], &["towel_2"]),
+        ("Put towel_3 in room_102", one, &[], &["3"]),
+        ("Push the pen to the cart in 7 s", "put(pen, cart)", &[], &["7"]),
+        ("Put the pen on cart 7", "put(pen, cart)", &[], &[]),
+    ] {
+        let goal = parse(&world, goal).unwrap();
+        let marks = marks
+            .iter()
+            .map(|text| Mark::of(instruction, text, Gap::Quantity).unwrap());
+        let coverage = Coverage::new(&world, instruction, &goal, &marks.collect::<Vec<_>>(), None);
+        let gaps: Vec<&str> = coverage.gaps().map(|(text, _)| text).collect();
+        assert_eq!(gaps, expected, "{instruction}: {:?}", coverage.parts());
+    }
+}
+
 #[test]
 fn quotations_are_represented_by_names_alone() {
     check("Put the \"pen\" on the shelf", "put(pen, shelf)", &[]);

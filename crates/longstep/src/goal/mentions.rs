@@ -26,7 +26,8 @@ impl Mentions {
     /// Finds the names in an instruction. Among entities that share the last word of their names, those with the most
     /// matching words are meant: "the water glass" excludes the wine glass.
     pub fn of(world: &World, instruction: &str) -> Self {
-        let words = plain_words(instruction);
+        let identified = world.identifiers_in(instruction);
+        let words = plain_words(&without(instruction, &identified));
         let singulars: Vec<String> = words.iter().map(|word| singular(word)).collect();
         let said = Places::of(&singulars);
         let scored: Vec<(EntityId, usize)> = world
@@ -55,7 +56,10 @@ impl Mentions {
             .collect();
         let all = world.entities().map(|(id, _)| id);
         let entities = all
-            .filter(|id| named.contains(id) || is_implied(world, *id, &words))
+            .filter(|id| {
+                let is_identified = || identified.iter().any(|(_, own)| own == id);
+                named.contains(id) || is_identified() || is_implied(world, *id, &words)
+            })
             .collect();
         Self {
             entities,
@@ -100,6 +104,15 @@ impl Mentions {
         }
         count > 1
     }
+}
+
+/// Returns the text with blanks in place of identifiers, whose words name nothing else.
+fn without(text: &str, identified: &[(Range<usize>, EntityId)]) -> String {
+    let is_word = |at: usize| !identified.iter().any(|(place, _)| place.contains(&at));
+    let letters = text.char_indices();
+    letters
+        .map(|(at, letter)| if is_word(at) { letter } else { ' ' })
+        .collect()
 }
 
 /// Returns true if the domain lists a word that speaks of the entity without naming it.
@@ -155,8 +168,8 @@ impl FullNames {
         // Two entities with a name suffice to find the longest name of any other entity.
         let mut owners: Vec<[Option<EntityId>; 2]> = Vec::new();
         for (id, entity) in world.entities() {
-            for name in std::iter::once(&entity.name).chain(&entity.names) {
-                let parts: Vec<String> = plain_words(name).iter().map(|part| singular(part)).collect();
+            for name in entity.called() {
+                let parts: Vec<String> = plain_words(&name).iter().map(|part| singular(part)).collect();
                 if parts.is_empty() {
                     continue;
                 }

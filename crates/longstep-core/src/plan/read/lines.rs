@@ -125,14 +125,18 @@ impl Groups {
             indentation: line.indentation,
             number: None,
             words: Vec::new(),
-            character: line.character.clone(),
+            character: None,
         });
         open.steps.extend(line.steps);
         open.end = place.end;
         open.number = line.number;
         open.words.append(&mut self.words);
-        if open.character != line.character {
-            self.second_character.get_or_insert(place.start);
+        match (&open.character, line.character) {
+            (Some(one), Some(other)) if *one != other => {
+                self.second_character.get_or_insert(place.start);
+            }
+            (None, character) => open.character = character,
+            _ => {}
         }
         if let Some(doubtful) = self.doubtful.take() {
             self.no_step.get_or_insert(doubtful);

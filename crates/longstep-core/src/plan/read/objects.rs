@@ -50,7 +50,7 @@ pub(super) fn survey(text: &str, depth: usize) -> Result<Survey, Unreadable> {
             }
         };
         let Literal { node, end, notes } = literal;
-        let found = candidates(&node, depth);
+        let found = candidates(&text[..start], &node, depth);
         // A list without objects and steps, such as `[1]`, belongs to the prose.
         if found.is_empty() && is_plain_list(&node.value) {
             continue;
@@ -68,7 +68,7 @@ pub(super) fn survey(text: &str, depth: usize) -> Result<Survey, Unreadable> {
 /// Finds the plan of one value, which stands at `start` and has the notes of its reader.
 pub(super) fn plan_of_value(text: &str, literal: Literal, depth: usize) -> Option<Result<Found, Unreadable>> {
     let Literal { node, notes, .. } = literal;
-    let found = candidates(&node, depth);
+    let found = candidates("", &node, depth);
     let mut seen = Survey::default();
     if found.is_empty() {
         return None;

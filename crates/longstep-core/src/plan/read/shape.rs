@@ -241,7 +241,13 @@ impl Shape<'_, '_> {
     }
 
     fn script(&mut self, node: &ValueNode, path: &Path) -> Shaped<TaskCohesion> {
-        let written = script::read(&self.text(node, path)?).map_err(|error| Unreadable::Script {
+        let text = self.text(node, path)?;
+        let written = script::read(&text).or_else(|error| {
+            // Trimming a text takes the indentation of its first line away.
+            let trimmed = with_first_line_indented(&text).and_then(|text| script::read(&text).ok());
+            trimmed.ok_or(error)
+        });
+        let written = written.map_err(|error| Unreadable::Script {
             inside: Some(Position::of(self.text, node.at)),
             error,
         })?;
@@ -453,4 +459,14 @@ impl Shape<'_, '_> {
             },
         }
     }
+}
+
+/// Returns the text with its first line indented as far as the others; none if that is no change.
+fn with_first_line_indented(text: &str) -> Option<String> {
+    let (_, others) = text.split_once('\n')?;
+    let filled = others.lines().filter(|line| !line.trim().is_empty());
+    let column = filled
+        .map(|line| line.len() - line.trim_start_matches(' ').len())
+        .min()?;
+    (column > 0).then(|| format!("{}{text}", " ".repeat(column)))
 }

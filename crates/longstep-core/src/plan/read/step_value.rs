@@ -13,17 +13,21 @@ use crate::literal::{self, Member, Value, ValueNode};
 use crate::plan::WrittenStep;
 
 /// Keys under which a list of texts is a list of steps. Under other keys, a list of calls may be goals or states.
-const LIST_KEYS: [&str; 16] = [
+const LIST_KEYS: [&str; 20] = [
     "action_list",
     "action_plan",
     "action_sequence",
     "actions",
+    "answer",
     "calls",
     "commands",
     "execution_plan",
     "function_calls",
+    "output",
     "plan",
     "program",
+    "response",
+    "result",
     "sequence",
     "skills",
     "steps",
@@ -117,14 +121,25 @@ pub(super) enum Candidate<'v> {
     },
 }
 
-/// Returns the outermost plans and steps of a value, in its order. The value stands `depth` texts deep in the reply.
-pub(super) fn candidates(node: &ValueNode, depth: usize) -> Vec<Candidate<'_>> {
+/// Returns the outermost plans and steps of a value, in its order. The value stands `depth` texts deep in the reply; `before` is
+/// the text before it.
+pub(super) fn candidates<'v>(before: &str, node: &'v ValueNode, depth: usize) -> Vec<Candidate<'v>> {
     let mut search = Search {
         depth,
         found: Vec::new(),
     };
-    search.value(node, &Path::default(), true);
+    search.value(node, &Path::default(), may_be_plan(before));
     search.found
+}
+
+/// Returns true unless a text before a list calls it something else than a plan: `goals = [...]`.
+fn may_be_plan(before: &str) -> bool {
+    let line = before.rsplit('\n').next().unwrap_or_default().trim();
+    let Some((name, _)) = line.split_once([':', '=']) else {
+        return true;
+    };
+    let name = name.trim().trim_matches(['*', '`', '"']).to_lowercase();
+    name.contains(char::is_whitespace) || LIST_KEYS.contains(&name.as_str())
 }
 
 struct Search<'v> {

@@ -372,6 +372,7 @@ fn trees_and_scripts_are_found_in_replies() {
         "Sure:\n```python\n# now\na() # A\n```\nDone.",
         "a(); A [Prose*2 CodeFence*2 Comment]",
     );
+    check(r#"{"python_script": "a() # A\n    b() # B\n  "}"#, "a(); b(); A; B []");
     let tree = |reply: &str| {
         let draft = read(reply).unwrap();
         (

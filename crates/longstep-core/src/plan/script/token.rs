@@ -39,16 +39,14 @@ pub(super) enum Kind<'t> {
 /// Splits a part of a text into tokens. Indents and dedents are balanced, whatever the indentation of the part as a
 /// whole. The last token is [`Kind::End`].
 pub(super) fn tokens(text: &str, part: Range<usize>) -> Result<Vec<Token<'_>>, Fault> {
-    let end = part.end;
     let mut lexer = Lexer {
-        text: &text[..end],
+        text: &text[..part.end],
         at: part.start,
         tokens: Vec::new(),
         levels: Vec::new(),
         opened: Vec::new(),
         indented_with: None,
         waiting: Vec::new(),
-        first_column: first_column(&text[part]),
     };
     while lexer.at < lexer.text.len() {
         lexer.line()?;
@@ -57,8 +55,8 @@ pub(super) fn tokens(text: &str, part: Range<usize>) -> Result<Vec<Token<'_>>, F
         return fault(*open, "this parenthesis is never closed", "close it with `)`");
     }
     let outermost = lexer.levels.first().copied().unwrap_or(0);
-    lexer.blocks(outermost, end)?;
-    lexer.push(end, Kind::End);
+    lexer.blocks(outermost, part.end)?;
+    lexer.push(part.end, Kind::End);
     Ok(lexer.tokens)
 }
 
@@ -74,18 +72,6 @@ struct Lexer<'t> {
     indented_with: Option<char>,
     /// Comments on lines of their own, with offset and column; the next statement determines their block.
     waiting: Vec<(usize, usize, Kind<'t>)>,
-    /// The column of the first line, where it has lost its indentation.
-    first_column: Option<usize>,
-}
-
-/// Returns the column of the other lines if only the first line is not indented and opens no block, as where a text was trimmed.
-fn first_column(text: &str) -> Option<usize> {
-    let mut lines = text.lines().filter(|line| !line.trim().is_empty());
-    let first = lines.next()?;
-    let opens = first.split('#').next().unwrap_or_default().trim_end().ends_with(':');
-    let column = |line: &str| line.len() - line.trim_start_matches(' ').len();
-    let others = lines.map(column).min()?;
-    (!opens && column(first) < others).then_some(others)
 }
 
 /// Tab width.
@@ -103,10 +89,7 @@ impl<'t> Lexer<'t> {
     /// Reads a line, or several lines joined by parentheses.
     fn line(&mut self) -> Result<(), Fault> {
         let start = self.at;
-        let mut column = self.indentation();
-        if !self.rest().starts_with('\n') {
-            column = self.first_column.take().unwrap_or(column);
-        }
+        let column = self.indentation();
         match self.rest().chars().next() {
             None => return Ok(()),
             Some('\n') => {
