@@ -13,9 +13,10 @@ use anyhow::Result;
 use longstep::session::{Event, Proposal, Session, Settings};
 use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, session_directory};
 
-use crate::arguments::{ChatArguments, ModelArguments, domain_or_default, required};
+use crate::arguments::{ChatArguments, ModelArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
+use crate::exit_code::WRONG_ARGUMENTS;
 use crate::failure::{self, Failure};
 use crate::{inputs, output, plan, show};
 use input::{Input, Lines};
@@ -64,7 +65,12 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
     let interactive = std::io::stdin().is_terminal();
     let mut chat = match (&arguments.resume, &arguments.env) {
         (Some(named), _) => resume(arguments, &crate::session::folder(named)?, interactive)?,
-        (None, env) => begin(arguments, required(env.as_deref())?)?,
+        (None, Some(env)) => begin(arguments, env)?,
+        (None, None) => {
+            return Err(Failure::new("neither an environment nor a session is given", WRONG_ARGUMENTS)
+                .hint("pass `--env ENV.json`, name the environment in longstep.toml, or resume a session with `--resume`")
+                .into());
+        }
     };
     ask::watch_for_interrupts();
     if interactive {

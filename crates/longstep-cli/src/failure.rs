@@ -171,11 +171,12 @@ impl Report {
     }
 }
 
-/// Prints an error and returns the exit code for it: to stderr, or as one JSON object to stdout if `--json` is given.
+/// Prints an error to stderr and returns the exit code for it. With `--json` it is an object on stdout as well.
 pub(crate) fn tell(error: &anyhow::Error) -> u8 {
     let report = Report::of(error);
+    report.print();
     match output::form() {
-        Form::Text => report.print(),
+        Form::Text => {}
         form => output::in_form(form, &serde_json::json!({ "error": report })),
     }
     report.code

@@ -285,6 +285,9 @@ fn the_death_of_a_robot_has_one_hint_to_resume() {
     let both = text(&output.stdout) + &text(&output.stderr);
     assert_eq!(output.status.code(), Some(52), "{both}");
     assert_eq!(both.matches("--resume").count(), 1, "{both}");
-    assert!(both.contains("1 step(s) were under way: unknown"), "{both}");
+    assert!(
+        both.contains("under way, and unknown until the world is observed: Switch the lamp on"),
+        "{both}"
+    );
     bench.resume_when_free();
 }

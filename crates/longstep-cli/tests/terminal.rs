@@ -258,7 +258,7 @@ fn a_run_shows_its_plan_with_the_state_of_each_step() {
     terminal.press("\r");
     terminal.expect("now");
     terminal.expect("grasp the butter");
-    terminal.expect("10 of 10 steps done, ");
+    terminal.expect("14 of 14 steps done, ");
     terminal.expect("the goal is reached");
     let (code, shown) = terminal.end();
     assert_eq!(code, Some(0), "{shown}");
@@ -271,7 +271,7 @@ fn a_run_shows_its_plan_with_the_state_of_each_step() {
         "",
     );
     assert!(listed.stdout.starts_with("plan-1  "), "{}", listed.stdout);
-    assert!(listed.stdout.contains("10 steps, done"), "{}", listed.stdout);
+    assert!(listed.stdout.contains("14 steps, done"), "{}", listed.stdout);
 }
 
 #[test]
@@ -279,7 +279,7 @@ fn a_run_in_a_dumb_terminal_is_lines_without_escapes() {
     let home = tempfile::tempdir().unwrap();
     let arguments = format!("run {} --robot sim --approve never", planned(home.path()));
     let mut terminal = Terminal::open(home.path(), &arguments, "dumb");
-    terminal.expect("  10  ");
+    terminal.expect("  14  ");
     terminal.expect("the goal is reached");
     let (code, shown) = terminal.end();
     assert_eq!(code, Some(0), "{shown}");

@@ -59,7 +59,6 @@ fn print(mut error: clap::Error) -> u8 {
     let code = u8::try_from(error.exit_code()).unwrap_or(crate::exit_code::UNREADABLE);
     if error.use_stderr() && super::form() != Form::Text {
         print_object(&error, code);
-        return code;
     }
     let shown = visible_but_styles(&error.render().ansi().to_string());
     match error.use_stderr() {
