@@ -39,7 +39,6 @@ mod solve;
 mod teach;
 mod verify;
 
-use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use arguments::Command;
@@ -56,7 +55,7 @@ fn main() -> ExitCode {
 
 fn run(command: &mut Command) -> anyhow::Result<u8> {
     let taken = command.complete()?;
-    if let Some(sentence) = taken.sentence().filter(|_| std::io::stderr().is_terminal()) {
+    if let Some(sentence) = taken.sentence().filter(|_| output::shows_remarks()) {
         output::remark!("{}", sentence.dimmed());
     }
     match command {

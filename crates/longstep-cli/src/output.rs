@@ -6,9 +6,10 @@
 
 mod clap_error;
 mod styled;
+mod terminal;
 
 use std::fmt;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{ErrorKind, Write};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use anyhow::Result;
@@ -19,6 +20,7 @@ use serde::Serialize;
 
 pub(crate) use clap_error::parsed;
 pub(crate) use styled::{Line, Style};
+pub(crate) use terminal::{can_draw_board, can_redraw, columns, shows_remarks, terminal_size};
 
 /// The exit code when stdout could not be written.
 pub(crate) const NOT_WRITTEN: u8 = 60;
@@ -109,11 +111,6 @@ pub(crate) fn end_progress(bar: &ProgressBar) {
     bar.finish_and_clear();
 }
 
-/// Returns true if a board of several lines can be drawn below what is printed.
-pub(crate) fn can_draw_board() -> bool {
-    can_redraw() && std::io::stdout().is_terminal()
-}
-
 /// Shows lines on a progress bar, each of which has to fit the terminal.
 #[expect(clippy::disallowed_methods, reason = "the lines are made visible first")]
 pub(crate) fn board(bar: &ProgressBar, lines: &[Line]) {
@@ -125,25 +122,6 @@ pub(crate) fn board(bar: &ProgressBar, lines: &[Line]) {
             false => text,
         },
     );
-}
-
-/// The columns and lines of the terminal; 80 and 24 where they are not known.
-#[cfg(unix)]
-pub(crate) fn terminal_size() -> (usize, usize) {
-    let size = rustix::termios::tcgetwinsize(std::io::stderr()).ok();
-    let known = size.filter(|size| size.ws_col > 0 && size.ws_row > 0);
-    known.map_or((80, 24), |size| (size.ws_col.into(), size.ws_row.into()))
-}
-
-/// The columns and lines of a usual terminal.
-#[cfg(not(unix))]
-pub(crate) fn terminal_size() -> (usize, usize) {
-    (80, 24)
-}
-
-/// The columns of the terminal that shows the results; none where they go to a pipe or a file.
-pub(crate) fn columns() -> Option<usize> {
-    (std::io::stdout().is_terminal() && std::io::stderr().is_terminal()).then(|| terminal_size().0)
 }
 
 /// The form of what a command prints.
@@ -178,12 +156,6 @@ pub(crate) fn in_form(form: Form, value: &impl Serialize) {
 #[expect(clippy::disallowed_methods, reason = "the message is made visible first")]
 pub(crate) fn progress(bar: &ProgressBar, message: &str) {
     bar.set_message(visible::line(message).into_owned());
-}
-
-/// Returns false if lines cannot be drawn again: stderr is no terminal, or a dumb one.
-pub(crate) fn can_redraw() -> bool {
-    let is_dumb = std::env::var("TERM").is_ok_and(|terminal| terminal == "dumb");
-    std::io::stderr().is_terminal() && !is_dumb
 }
 
 /// Returns true if stdout has failed, so that the user no longer sees any output.
