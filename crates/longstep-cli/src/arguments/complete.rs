@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use longstep_core::secret;
 
 use super::{Command, DraftArguments, ModelArguments, RobotCommand, RunArguments};
 use crate::project::Project;
@@ -24,7 +25,9 @@ impl Taken {
     /// Returns a sentence about what was taken from the project file; none if nothing was.
     pub(crate) fn sentence(&self) -> Option<String> {
         let project = self.project.as_ref().filter(|_| !self.values.is_empty())?;
-        Some(format!("From {}: {}", project.shown, self.values.join(", ")))
+        let sentence = format!("From {}: {}", project.shown, self.values.join(", "));
+        // Addresses of models and robots may have passwords.
+        Some(secret::redacted(&sentence).into_owned())
     }
 
     /// Reads the project file at the first use. A command that takes nothing from it does not read it.
