@@ -6,7 +6,7 @@ use crate::effort;
 use crate::model::{ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, TypeId, World, static_value, unify};
 
 /// Returns true if the condition can hold in some state of this world; fluent facts may have any value.
-pub(crate) fn possibly(world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
+pub fn possibly(world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
     if !effort::spend(1) {
         return false;
     }

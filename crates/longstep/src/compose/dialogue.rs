@@ -30,7 +30,7 @@ pub struct CompositionInput<'a> {
     pub kind: ConstraintKind,
 }
 
-/// Lets a model compose stored plans. One request, one reply.
+/// Lets a model compose stored plans. One request, or two if a server's first reply cannot be read.
 #[derive(Debug, Clone)]
 pub struct CompositionDialogue {
     menu: Menu,
@@ -67,10 +67,8 @@ impl Dialogue for CompositionDialogue {
 
     fn supply(&mut self, reply: &Reply) -> Result<Option<CompositionAnswer>, DialogueError> {
         self.transcript.receive(reply)?;
-        match read(&reply.text) {
-            Ok(answer) => Ok(Some(answer)),
-            Err(error) => Err(DialogueError::Unreadable(error.to_string())),
-        }
+        let answer = read(&reply.text).map_err(|error| DialogueError::Unreadable(error.to_string()));
+        self.transcript.read_or_repeat(reply, answer)
     }
 
     fn transcript(&self) -> &Transcript {

@@ -2,10 +2,10 @@
 
 use serde::Deserialize;
 
-use super::answer_grammar::{Form, QUESTION_TOKENS, question_in};
+use super::answer_grammar::{ENUM_LIMIT, Form, QUESTION_TOKENS, listed, question_in};
 use super::ending::Endings;
 use super::example::{fixed_turns, in_form, scene_and_instruction};
-use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
+use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema, goal_texts};
 use super::query::plain_line;
 use super::tries::Tries;
 use super::{
@@ -58,6 +58,8 @@ pub struct GoalDialogue {
     is_first: bool,
     /// Possible next goals.
     open: Vec<Offer>,
+    /// The goals that the answer of a server may contain; none if they cannot be listed.
+    listed: Option<Vec<String>>,
     /// The names in the words that ask for a further goal, where no other goal may be answered.
     further: Option<Mentions>,
     /// True if enumerating `open` or the scene exceeded the work budget.
@@ -164,6 +166,7 @@ impl GoalDialogue {
             settled: Settled::default(),
             is_first: rounds.is_empty(),
             open: Vec::new(),
+            listed: None,
             further: None,
             exhausted: shown.exhausted,
             left_out: Vec::new(),
@@ -273,6 +276,19 @@ impl GoalDialogue {
         let found = effort::within(effort::OPERATION + search, || self.offers());
         self.exhausted |= found.exhausted;
         self.open = found.result;
+        if self.transcript.kind == ConstraintKind::JsonSchema {
+            self.listed = self.listed_goals();
+        }
+    }
+
+    /// Lists the goals that the answer of a server may contain. A schema describes all goals of an answer at once, and a later
+    /// one may be open only because of those before it ("put the butter on the counter and close the fridge"), so neither
+    /// the current state nor the names of the instruction narrow the list. None if servers would reject its size.
+    fn listed_goals(&self) -> Option<Vec<String>> {
+        let found = effort::within(effort::OPERATION, || goal::possible_goals(&self.world, ENUM_LIMIT));
+        let mut offers = found.result.filter(|_| !found.exhausted)?;
+        self.keep_wanted(&mut offers);
+        listed(goal_texts(&self.world, &offers))
     }
 
     /// The part of the world that the model is shown.
@@ -299,7 +315,6 @@ impl GoalDialogue {
     /// Returns the possible next goals. Where a further goal is asked for, its subject is named by the words that do so; a
     /// further try begins with another goal.
     fn offers(&self) -> Vec<Offer> {
-        let domain = self.world.domain();
         let further = !self.preceding.is_empty() || self.next == Next::Otherwise;
         let none = Mentions::default();
         let mentions = if self.tries.is_free() {
@@ -308,17 +323,7 @@ impl GoalDialogue {
             &self.correction.mentions
         };
         let mut offers = offers_on(&self.world, &self.preceding, mentions, further);
-        for offer in &mut offers {
-            let subject = domain.goal_word(offer.word).subject;
-            offer.arguments.retain(|arguments| {
-                let is_named = |words: &Mentions, place: usize| words.entities.contains(&arguments[place]);
-                let is_wanted =
-                    |words: &Mentions| words.entities.is_empty() || subject.is_some_and(|place| is_named(words, place));
-                self.further.as_ref().is_none_or(is_wanted)
-                    && !self.other_side.iter().any(|fact| fact.is_word(offer.word, arguments))
-            });
-        }
-        offers.retain(|offer| !offer.arguments.is_empty());
+        self.keep_wanted(&mut offers);
         if !further {
             self.tries.keep(&mut offers, &self.correction.mentions.entities);
             if self.may_settle() {
@@ -331,6 +336,21 @@ impl GoalDialogue {
             }
         }
         offers
+    }
+
+    /// Keeps the goals about an entity that the words for a further goal name, without those of the other branch.
+    fn keep_wanted(&self, offers: &mut Vec<Offer>) {
+        for offer in offers.iter_mut() {
+            let subject = self.world.domain().goal_word(offer.word).subject;
+            offer.arguments.retain(|arguments| {
+                let is_named = |words: &Mentions, place: usize| words.entities.contains(&arguments[place]);
+                let is_wanted =
+                    |words: &Mentions| words.entities.is_empty() || subject.is_some_and(|place| is_named(words, place));
+                self.further.as_ref().is_none_or(is_wanted)
+                    && !self.other_side.iter().any(|fact| fact.is_word(offer.word, arguments))
+            });
+        }
+        offers.retain(|offer| !offer.arguments.is_empty());
     }
 
     /// Returns true if the answer may begin with a goal that holds already: the first answer of a model under a grammar. A
@@ -398,7 +418,7 @@ impl GoalDialogue {
         Ok(self.done())
     }
 
-    fn supply_whole(&mut self, text: &str) -> Result<Option<Understanding>, DialogueError> {
+    fn supply_whole(&mut self, text: &str) -> Result<Understanding, DialogueError> {
         #[derive(Deserialize)]
         struct Answer {
             question: Option<String>,
@@ -421,7 +441,7 @@ impl GoalDialogue {
         }
         let question = answer.question.unwrap_or_default();
         if !question.trim().is_empty() {
-            return Ok(Some(self.asks(question.trim().to_owned(), None)));
+            return Ok(self.asks(question.trim().to_owned(), None));
         }
         let left_out = answer.not_represented.into_iter().take(GOAL_LIMIT);
         self.left_out = left_out.map(|part| (plain_line(&part.text), part.kind)).collect();
@@ -438,7 +458,7 @@ impl GoalDialogue {
             false => goal::parse(&self.world, &parts.join(" & "))?,
         };
         self.weigh(&goal);
-        Ok(Some(self.understood(goal)))
+        Ok(self.understood(goal))
     }
 
     /// Ends an answer. A guess is followed by another try, and so is an answer that the person has rejected.
@@ -556,7 +576,7 @@ impl Dialogue for GoalDialogue {
             ConstraintKind::JsonSchema => {
                 let depends = !goal::conditions(&self.world, &self.correction.mentions).is_empty();
                 self.transcript
-                    .under_schema(goal_schema(&self.world, &self.open, depends), ANSWER_TOKENS)
+                    .under_schema(goal_schema(self.listed.as_deref(), depends), ANSWER_TOKENS)
             }
         }
     }
@@ -571,7 +591,10 @@ impl Dialogue for GoalDialogue {
         let understood = match self.transcript.kind {
             _ if self.exhausted => return Err(DialogueError::TooMuchWork),
             ConstraintKind::Grammar => self.supply_part(reply),
-            ConstraintKind::JsonSchema => self.supply_whole(&reply.text),
+            ConstraintKind::JsonSchema => {
+                let read = self.supply_whole(&reply.text);
+                self.transcript.read_or_repeat(reply, read)
+            }
         }?;
         match self.exhausted {
             true => Err(DialogueError::TooMuchWork),

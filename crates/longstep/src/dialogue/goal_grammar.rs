@@ -1,10 +1,10 @@
 //! Structured output for goals: a grammar and a JSON schema of the offered goals.
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 use longstep_core::model::written_fact;
 use serde_json::Value;
 
-use super::answer_grammar::{Form, any_text, closed, list, listed, one_of};
+use super::answer_grammar::{Form, any_text, closed, list, one_of};
 use crate::coverage::Gap;
 use crate::environment::{EntityId, World};
 use crate::goal::{Dependence, GoalFact, IF, NOT, Offer, THEN};
@@ -106,27 +106,33 @@ fn form_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
     parts.push(Form::Either(alternatives.collect()));
 }
 
+/// Writes goals in everyday names, each once.
+pub(super) fn goal_texts(world: &World, offers: &[Offer]) -> Vec<String> {
+    let word = |offer: &Offer| {
+        offer
+            .arguments
+            .iter()
+            .map(|own| (offer.word, own.clone()))
+            .collect::<Vec<_>>()
+    };
+    let goals = offers.iter().flat_map(word);
+    let texts = goals.map(|(word, arguments)| GoalFact::Word { word, arguments }.everyday(world));
+    texts.collect::<IndexSet<String>>().into_iter().collect()
+}
+
 /// Returns a JSON schema for a whole answer: `{"question": "", "goals": ["put(pie, oven)"], "never": [],
 /// "not_represented": [{"text": "for ten minutes", "kind": "quantity"}]}`.
 ///
-/// The schema enumerates the offered goals if servers can be expected to accept the list. Otherwise, and with `depends`,
-/// where goals may have conditions, it admits any string, and the parser rejects strings that are no goals.
-pub(super) fn goal_schema(world: &World, offers: &[Offer], depends: bool) -> Value {
-    let texts = offers
-        .iter()
-        .flat_map(|offer| offer.arguments.iter().map(|arguments| (offer.word, arguments.clone())))
-        .map(|(word, arguments)| GoalFact::Word { word, arguments }.everyday(world));
-    let all: Vec<String> = texts.collect();
-    let goals = match depends {
-        true => None,
-        false => listed(all.clone()),
-    };
-    let never = one_of(listed(all).as_deref());
+/// The schema enumerates the goals if they can be `listed`. Otherwise, and for `goals` with `depends`, where goals may have
+/// conditions, it admits any string, and the parser rejects strings that are no goals.
+pub(super) fn goal_schema(listed: Option<&[String]>, depends: bool) -> Value {
+    let goals = listed.filter(|_| !depends);
+    let never = one_of(listed);
     let kinds: Vec<String> = Gap::ALL.iter().map(|gap| gap.name().to_owned()).collect();
     let part = closed(&[("text", any_text()), ("kind", one_of(Some(&kinds)))]);
     closed(&[
         ("question", any_text()),
-        ("goals", list(one_of(goals.as_deref()))),
+        ("goals", list(one_of(goals))),
         ("never", list(never)),
         ("not_represented", list(part)),
     ])

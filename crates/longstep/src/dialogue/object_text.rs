@@ -48,7 +48,7 @@ pub fn object_text(answer: &str) -> Option<String> {
 /// Returns what follows the reasoning: the last message of a channel, or what is behind the last end of a thought.
 fn without_reasoning(answer: &str) -> &str {
     let answer = answer.rsplit_once("<|message|>").map_or(answer, |(_, message)| message);
-    let ends = ["</think>", "</thinking>", "</reasoning>"];
+    let ends = ["</think>", "</thinking>", "</reasoning>", "[/THINK]"];
     let ends = ends.iter().filter_map(|end| Some(answer.rfind(end)? + end.len()));
     ends.max().map_or(answer, |end| &answer[end..])
 }

@@ -37,6 +37,8 @@ pub struct Transcript {
     pub(crate) fixed: usize,
     pub(crate) answer: String,
     usage: Usage,
+    /// True once another answer was requested in place of one that could not be read.
+    is_repeated: bool,
 }
 
 impl Transcript {
@@ -49,6 +51,7 @@ impl Transcript {
             messages,
             answer: String::new(),
             usage: Usage::default(),
+            is_repeated: false,
         }
     }
 
@@ -102,6 +105,41 @@ impl Transcript {
         whole(reply)
     }
 
+    /// Returns what was read from a reply under a schema. For the first one that cannot be read, adds what is wrong with it to
+    /// the conversation and returns none: the next request asks for another answer. A cut or refused reply is not asked
+    /// for again.
+    ///
+    /// # Errors
+    ///
+    /// The reply cannot be read, and it is the second one or was written under a grammar.
+    pub(crate) fn read_or_repeat<T>(
+        &mut self,
+        reply: &Reply,
+        read: Result<T, DialogueError>,
+    ) -> Result<Option<T>, DialogueError> {
+        let may_repeat = self.kind == ConstraintKind::JsonSchema && !self.is_repeated;
+        let wrong = match &read {
+            Err(error) if may_repeat => error.wrong_form(),
+            _ => None,
+        };
+        let Some(wrong) = wrong else {
+            return read.map(Some);
+        };
+        self.is_repeated = true;
+        self.answer.clear();
+        // An assistant's message may not be empty.
+        let text = match one_line(&reply.text) {
+            text if text.is_empty() => "{}".to_owned(),
+            text => text.chars().take(REPEATED).collect(),
+        };
+        self.push(Role::Assistant, text);
+        self.push(
+            Role::User,
+            format!("This answer cannot be used: {wrong}. Write nothing but one JSON object in the form of the answers before."),
+        );
+        Ok(None)
+    }
+
     /// Returns the model's answer so far.
     pub fn answer(&self) -> &str {
         &self.answer
@@ -136,6 +174,21 @@ pub enum DialogueError {
     #[error("{TOO_MUCH_WORK}")]
     TooMuchWork,
 }
+
+impl DialogueError {
+    /// Returns what is wrong with the form of the reply, if that is what is wrong. What is no change of a plan may be a goal,
+    /// which the caller finds out.
+    fn wrong_form(&self) -> Option<String> {
+        match self {
+            Self::Unreadable(reason) => Some(reason.clone()),
+            Self::NoGoal(error) => Some(error.to_string()),
+            Self::CutOff(_) | Self::Refused | Self::NoWish(_) | Self::TooMuchWork => None,
+        }
+    }
+}
+
+/// Characters of an unreadable reply that the next request repeats.
+const REPEATED: usize = 400;
 
 /// Error for a domain and world with too many goals to enumerate.
 pub(super) const TOO_MUCH_WORK: &str =

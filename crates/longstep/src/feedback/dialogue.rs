@@ -90,6 +90,26 @@ impl FeedbackDialogue {
                 .any(|said| numbers.contains(&said))
     }
 
+    /// Reads a wish from a whole answer.
+    fn wish(&self, text: &str) -> Result<Wish, DialogueError> {
+        let text = match self.transcript.kind {
+            ConstraintKind::Grammar => text.trim().to_owned(),
+            ConstraintKind::JsonSchema => self.unwrapped(text)?,
+        };
+        if let Some(question) = question_in(&text) {
+            return Ok(Wish::Question(question.to_owned()));
+        }
+        if text == GOAL {
+            return Ok(Wish::Goal);
+        }
+        if text == FURTHER {
+            return Ok(Wish::Further);
+        }
+        let wishes = parse(&self.world, &text, self.length);
+        let wishes = wishes.map_err(|error| DialogueError::NoWish(error.to_string()))?;
+        Ok(Wish::Steps(wishes))
+    }
+
     /// Converts the JSON answer of a server to the notation of the grammar.
     fn unwrapped(&self, text: &str) -> Result<String, DialogueError> {
         #[derive(Deserialize)]
@@ -129,29 +149,15 @@ impl Dialogue for FeedbackDialogue {
         }
     }
 
-    /// Interprets the model's reply; a dialogue has only one.
+    /// Interprets the model's reply. Only the reply of a server that cannot be read leads to a second request.
     ///
     /// # Errors
     ///
     /// The reply is cut off, refused, or no change of this plan.
     fn supply(&mut self, reply: &Reply) -> Result<Option<Wish>, DialogueError> {
         self.transcript.receive(reply)?;
-        let text = match self.transcript.kind {
-            ConstraintKind::Grammar => reply.text.trim().to_owned(),
-            ConstraintKind::JsonSchema => self.unwrapped(&reply.text)?,
-        };
-        if let Some(question) = question_in(&text) {
-            return Ok(Some(Wish::Question(question.to_owned())));
-        }
-        if text == GOAL {
-            return Ok(Some(Wish::Goal));
-        }
-        if text == FURTHER {
-            return Ok(Some(Wish::Further));
-        }
-        let wishes = parse(&self.world, &text, self.length);
-        let wishes = wishes.map_err(|error| DialogueError::NoWish(error.to_string()))?;
-        Ok(Some(Wish::Steps(wishes)))
+        let wish = self.wish(&reply.text);
+        self.transcript.read_or_repeat(reply, wish)
     }
 
     fn transcript(&self) -> &Transcript {

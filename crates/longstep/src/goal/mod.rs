@@ -23,7 +23,7 @@ pub(crate) use correction::Correction;
 pub(crate) use dependence::{Dependence, conditions};
 pub use mentions::Mentions;
 pub use offer::{Offer, offers};
-pub(crate) use offer::{is_settled, offers_on, settled_offers};
+pub(crate) use offer::{is_settled, offers_on, possible_goals, settled_offers};
 pub use pronoun::{SpelledOut, spelled_out};
 pub use understanding::{Understanding, understand};
 pub(crate) use understanding::{guess, understand_mentions};

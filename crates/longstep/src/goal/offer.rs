@@ -5,7 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{Goal, GoalFact, Mentions};
 use crate::effort;
 use crate::environment::{Bindings, EntityId, Fact, Moment, State, World, holds};
-use crate::model::{GoalWord, GoalWordId};
+use crate::model::{GoalWord, GoalWordId, TypeId};
 use crate::search::{self, Limits, Outcome};
 use crate::verify;
 use longstep_core::model::Domain;
@@ -75,6 +75,54 @@ pub(crate) fn offers_on(world: &World, said: &[GoalFact], mentions: &Mentions, f
     }
     without_other_forms(domain, named, &mut offers);
     offers
+}
+
+/// Returns every goal that an answer of several goals may contain, whatever holds now and whatever goals are before it; none
+/// if there are more than `most`, or goals with values, which no list can hold.
+pub(crate) fn possible_goals(world: &World, most: usize) -> Option<Vec<Offer>> {
+    let domain = world.domain();
+    let mut room = most;
+    let mut offers = Vec::new();
+    for (index, word) in domain.goal_words.iter().enumerate() {
+        let takes_value = |kind: TypeId| domain.values.iter().any(|value| domain.types.is_a(value.kind, kind));
+        if word.parameters.iter().any(|parameter| takes_value(parameter.kind)) {
+            return None;
+        }
+        let mut arguments = Vec::new();
+        let fits = add_possible(world, word, room, &mut Vec::new(), &mut arguments);
+        room = room.checked_sub(arguments.len()).filter(|_| fits)?;
+        if !arguments.is_empty() {
+            let word = GoalWordId::new(index);
+            offers.push(Offer { word, arguments });
+        }
+    }
+    Some(offers)
+}
+
+/// Adds the argument lists that begin with `bindings` and for which the word makes sense in some state. Returns false if there
+/// are more than `most`.
+fn add_possible(
+    world: &World,
+    word: &GoalWord,
+    most: usize,
+    bindings: &mut Bindings,
+    arguments: &mut Vec<Vec<EntityId>>,
+) -> bool {
+    let Some(parameter) = word.parameters.get(bindings.len()) else {
+        if verify::possibly(world, &word.offered, bindings) {
+            arguments.push(bindings.clone());
+        }
+        return arguments.len() <= most;
+    };
+    world.of_kind(parameter.kind).iter().all(|entity| {
+        if bindings.contains(entity) {
+            return true;
+        }
+        bindings.push(*entity);
+        let fits = effort::spend(1) && add_possible(world, word, most, bindings, arguments);
+        bindings.pop();
+        fits
+    })
 }
 
 /// Removes the forms of a goal word that have an argument which the instruction does not name, if another form of the word

@@ -318,7 +318,7 @@ impl Dialogue for SightDialogue<'_> {
     fn supply(&mut self, reply: &Reply) -> Result<Option<Sighting>, DialogueError> {
         self.transcript.receive(reply)?;
         if self.kind == ConstraintKind::JsonSchema {
-            return Sighting::from_json(&reply.text).map(Some);
+            return self.transcript.read_or_repeat(reply, Sighting::from_json(&reply.text));
         }
         let Some(said) = self.said.take() else {
             let lines = reply.text.lines().filter_map(|line| line.split_once(ARROW));

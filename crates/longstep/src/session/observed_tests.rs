@@ -115,6 +115,8 @@ fn an_observation_belongs_between_instructions_and_changes_nothing_if_it_cannot_
     }
     // An instruction that is stuck ends with it.
     planned(&mut session, "The shelf goes on the table", "put(shelf, table)");
+    session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+    session.supply(&reply(&goals(&["put(shelf, table)"])), 1.0).unwrap();
     assert!(session.failure().is_some());
     session.observed(&milk).unwrap();
     assert!(session.failure().is_none());

@@ -479,6 +479,7 @@ fn plans_are_accepted_without_asking_where_that_is_wanted() {
         &[
             ("person", "The desk goes on the shelf"),
             ("model", &goals(&["put(desk, shelf)"])),
+            ("model", &goals(&["put(desk, shelf)"])),
         ],
     );
     assert_eq!(session.accepted().len(), 1);

@@ -1,3 +1,4 @@
+mod goals;
 mod injected;
 mod large;
 mod likelihood;
