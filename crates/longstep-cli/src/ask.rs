@@ -65,6 +65,7 @@ fn opened(
         temperature: arguments.temperature,
         top_p: arguments.top_p,
         seed: arguments.seed,
+        reasoning: arguments.reasoning,
     };
     open(&reference, &options, progress)
 }

@@ -211,6 +211,14 @@ pub enum ModelError {
         /// The server's error message: one line, shortened, without keys.
         message: String,
     },
+    /// The model reasoned and gave no answer.
+    #[error("the model on {server} gave no answer: {reason}")]
+    ReasonedOnly {
+        /// The server.
+        server: String,
+        /// The reason.
+        reason: String,
+    },
     /// The server's answer cannot be read.
     #[error("the answer of {server} cannot be read: {reason}")]
     BadAnswer {
@@ -302,6 +310,10 @@ impl ModelError {
                 Some("check the address and that the server is running, or use an embedded model".into())
             }
             Self::Status { status, .. } => status_hint(*status),
+            Self::ReasonedOnly { .. } => Some(
+                "limit its reasoning with `--reasoning low` (or `off`), or allow it more tokens with `--reasoning 8000`"
+                    .into(),
+            ),
             Self::BadAnswer { .. } => {
                 Some("check that the server has OpenAI's chat completions API, and try again".into())
             }

@@ -41,6 +41,7 @@ mod model;
 mod open;
 mod pace;
 mod private;
+mod reasoning;
 mod record;
 mod reference;
 mod server;
@@ -61,6 +62,7 @@ pub use model::{AdapterChoice, ChatModel, OpenOptions, Progress, Sampling, StopF
 pub use open::open;
 pub use pace::{Pace, Speed};
 pub use private::{create_private_folder, tighten_folder};
+pub use reasoning::Reasoning;
 pub use record::Recording;
 pub use reference::ModelReference;
 pub use server::server_address;

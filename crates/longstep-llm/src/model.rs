@@ -8,7 +8,7 @@ use std::time::Duration;
 use longstep::dialogue::{ChatRequest, ConstraintKind, Forecast, Reply, TokenCounter};
 use longstep::session::ModelFacts;
 
-use crate::ModelError;
+use crate::{ModelError, Reasoning};
 
 /// A language model that answers one request at a time, and counts tokens for itself.
 pub trait ChatModel: TokenCounter {
@@ -191,4 +191,6 @@ pub struct Sampling {
     pub top_p: Option<f64>,
     /// Seed of the sampling. `None` means 0 for the embedded engine, and the server's choice otherwise.
     pub seed: Option<u64>,
+    /// Limit of the reasoning of a model on a server; `None` leaves it to the server. An embedded model does not reason.
+    pub reasoning: Option<Reasoning>,
 }

@@ -427,6 +427,7 @@ fn a_seed_decides_what_is_drawn_and_a_grammar_what_may_be() {
                 temperature: 50.0,
                 top_p: Some(0.99),
                 seed: Some(seed),
+                ..Sampling::default()
             },
             ..OpenOptions::new(folder.path().to_path_buf())
         };

@@ -160,6 +160,7 @@ fn the_same_seed_gives_the_same_answer() {
             temperature: 1.0,
             top_p: Some(0.95),
             seed: Some(11),
+            ..Sampling::default()
         },
         ..OpenOptions::new("unused".into())
     };

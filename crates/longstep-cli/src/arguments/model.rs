@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
-use longstep_llm::AdapterChoice;
+use longstep_llm::{AdapterChoice, Reasoning};
 
 /// The language model and its settings.
 #[derive(Debug, Clone, Args)]
@@ -29,6 +29,10 @@ pub(crate) struct ModelArguments {
     /// Seed of the sampling; some servers ignore it
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
+    /// How much a model on a server may reason before its answer: off, low, medium, high or a number of tokens [default: the
+    /// server's choice]
+    #[arg(long, value_name = "LIMIT", env = "LONGSTEP_REASONING", hide_env_values = true)]
+    pub(crate) reasoning: Option<Reasoning>,
     /// Size of the context in tokens, for prompt and answer [default: the server's value, 8192 for an embedded model]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) context: Option<u32>,

@@ -113,6 +113,7 @@ mod tests {
             temperature,
             top_p,
             seed: Some(7),
+            ..Sampling::default()
         };
         assert_eq!(drawn(&with(0.0, None), &[0, 1, 2, 3]), [0, 10_000, 0, 0]);
         assert_eq!(drawn(&with(0.0, None), &[0, 2, 3]), [0, 0, 10_000, 0]);
@@ -130,8 +131,8 @@ mod tests {
         let draw = |seed: Option<u64>| {
             let mut sampler = Sampler::new(&Sampling {
                 temperature: 2.0,
-                top_p: None,
                 seed,
+                ..Sampling::default()
             });
             let mut one = || sampler.choose(&LOGITS, |consider| (0..4).for_each(consider));
             (0..50).map(|_| one()).collect::<Vec<_>>()

@@ -1,8 +1,10 @@
 //! A streamed answer, assembled from its events; one parser for each dialect.
 
-use longstep::dialogue::{Finish, Reply, Usage};
+use longstep::dialogue::{Finish, Reply, Usage, object_text};
 use serde_json::Value;
 
+use super::complaint::Complaint;
+use super::delta_text::DeltaText;
 use super::endpoint::Kind;
 use super::event::{ERROR, Event};
 use super::limit::TOKENS;
@@ -26,18 +28,36 @@ pub(super) enum Unreadable {
     NoJson(String),
     /// The server reports an error in the middle of its answer, with the data of the event.
     Complaint(String),
+    /// The server gives up, with this finish reason alone.
+    Failed(String),
+}
+
+/// Reason why an answer that has ended is no reply.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NoReply {
+    /// Nothing was written.
+    Empty,
+    /// The model reasoned and did not answer.
+    ReasonedOnly {
+        /// True if it had no tokens left.
+        at_limit: bool,
+        /// Number of its tokens; 0 if the server reports none.
+        tokens: u64,
+    },
 }
 
 /// The received part of an answer.
 #[derive(Debug)]
 pub(super) struct Answer {
     kind: Kind,
-    text: String,
+    text: DeltaText,
     refusal: String,
     /// The reasoning before the answer, and the arguments of a tool call: the answer of some servers is there.
-    reasoning: String,
+    reasoning: DeltaText,
     called: String,
-    /// Bytes of what is counted but not kept.
+    /// Bytes of reasoning that is counted but not kept.
+    thoughts: usize,
+    /// Bytes of what else is counted but not kept.
     aside: usize,
     /// Limit of bytes for text, reasoning and tool calls.
     most: usize,
@@ -49,10 +69,11 @@ impl Answer {
     pub(super) fn new(kind: Kind, most: usize) -> Self {
         Self {
             kind,
-            text: String::new(),
+            text: DeltaText::default(),
             refusal: String::new(),
-            reasoning: String::new(),
+            reasoning: DeltaText::default(),
             called: String::new(),
+            thoughts: 0,
             aside: 0,
             most,
             finish: None,
@@ -72,16 +93,24 @@ impl Answer {
             return Err(Unreadable::Complaint(event.data.clone()));
         }
         let value = parsed(&event.data)?;
-        let value = value.get(0).unwrap_or(&value);
-        let has_failed =
-            value["choices"][0]["finish_reason"] == "error" || value["base_resp"]["status_code"].as_u64() > Some(0);
-        if !value["error"].is_null() || has_failed {
+        let value = unwrapped(value.get(0).unwrap_or(&value));
+        let is_failure = value["base_resp"]["status_code"].as_u64() > Some(0) || value["success"] == false;
+        if !value["error"].is_null() || is_failure {
             return Err(Unreadable::Complaint(event.data.clone()));
+        }
+        let reason = value["choices"][0]["finish_reason"].as_str();
+        if let Some(reason) = reason.filter(|reason| FAILED.contains(reason)) {
+            let complaint = Complaint::of(&value["choices"][0].to_string());
+            return Err(match complaint.message.starts_with('{') {
+                true => Unreadable::Failed(reason.to_owned()),
+                false => Unreadable::Complaint(complaint.message),
+            });
         }
         let before = self.written();
         let ended = match self.kind {
             Kind::Anthropic => self.add_anthropic(value),
             Kind::Gemini => self.add_gemini(value),
+            Kind::Ollama if value["choices"].is_null() => self.add_ollama(value),
             Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => {
                 self.add_openai(value);
                 false
@@ -109,36 +138,38 @@ impl Answer {
     }
 
     /// The reply. `full` means that the text was cut off at its limit.
-    pub(super) fn reply(self, full: bool) -> Result<Reply, String> {
+    pub(super) fn reply(self, full: bool) -> Result<Reply, NoReply> {
         let finish = match self.finish {
             _ if full => Finish::Length,
             Some(finish) => finish,
             None => Finish::Stop,
         };
-        let is_blank = |text: &String| text.trim().is_empty();
+        let has_reasoned = self.thoughts > 0 || !self.reasoning.is_blank();
+        let usage = self.usage;
         let (text, finish) = if !self.refusal.is_empty() {
             (self.refusal, Finish::Refused)
-        } else if !is_blank(&self.text) {
-            (self.text, finish)
-        } else if !is_blank(&self.called) {
+        } else if !self.text.is_blank() {
+            (self.text.text(), finish)
+        } else if !self.called.trim().is_empty() {
             (self.called, finish)
-        } else if full {
+        } else if full || finish == Finish::Refused {
             (String::new(), finish)
-        } else if finish == Finish::Length && !is_blank(&self.reasoning) {
-            let tokens = match self.usage.completion_tokens {
-                0 => "all of its tokens".to_owned(),
-                tokens => format!("all of its {tokens} tokens"),
-            };
-            return Err(format!(
-                "it spent {tokens} on reasoning; turn reasoning off, or take another model"
-            ));
         } else {
-            (self.reasoning, finish)
+            let reasoning = self.reasoning.text();
+            match object_text(&reasoning) {
+                Some(_) => (reasoning, finish),
+                None if has_reasoned => {
+                    return Err(NoReply::ReasonedOnly {
+                        at_limit: finish == Finish::Length,
+                        tokens: usage.completion_tokens,
+                    });
+                }
+                None => (String::new(), finish),
+            }
         };
-        if text.trim().is_empty() && finish == Finish::Stop {
-            return Err("its message has no content".to_owned());
+        if text.is_empty() && finish == Finish::Stop {
+            return Err(NoReply::Empty);
         }
-        let usage = self.usage;
         Ok(Reply {
             text,
             finish,
@@ -148,26 +179,36 @@ impl Answer {
     }
 
     fn written(&self) -> usize {
-        self.text.len() + self.refusal.len() + self.reasoning.len() + self.called.len() + self.aside
+        self.text.length()
+            + self.refusal.len()
+            + self.reasoning.length()
+            + self.called.len()
+            + self.thoughts
+            + self.aside
     }
 
     fn add_openai(&mut self, value: &Value) {
         let choice = &value["choices"][0];
         // A server that does not stream sends a message; others send both, the message with all so far.
-        let delta = match choice["delta"].is_object() {
-            true => &choice["delta"],
-            false => &choice["message"],
-        };
+        // Azure's answers on own data have a list of messages, Cloudflare's own streams a response.
+        let deltas = [&choice["delta"], &choice["message"], &choice["messages"][0]["delta"]];
+        let delta = deltas
+            .into_iter()
+            .find(|delta| delta.is_object())
+            .unwrap_or(&Value::Null);
+        if let Some(text) = value["response"].as_str() {
+            self.text.push(text);
+        }
         match &delta["content"] {
-            Value::String(text) => self.text.push_str(text),
+            Value::String(text) => self.text.push(text),
             // The form of Mistral's reasoning models.
             Value::Array(parts) => parts.iter().for_each(|part| match part["text"].as_str() {
-                Some(text) => self.text.push_str(text),
-                None => self.aside += length(&part["thinking"]),
+                Some(text) => self.text.push(text),
+                None => self.thoughts += length(&part["thinking"]),
             }),
             Value::Null => {}
             // Some servers read the model's text before they send it.
-            other => self.text.push_str(&other.to_string()),
+            other => self.text.push(&other.to_string()),
         }
         if let Some(words) = delta["refusal"].as_str() {
             self.refusal.push_str(words);
@@ -178,7 +219,7 @@ impl Answer {
         let details: String = details.filter_map(|part| part["text"].as_str()).collect();
         let mut words = words.into_iter().chain([details.as_str()]);
         self.reasoning
-            .push_str(words.find(|words| !words.is_empty()).unwrap_or_default());
+            .push(words.find(|words| !words.is_empty()).unwrap_or_default());
         let call = &delta["tool_calls"][0]["function"]["arguments"];
         let call = if call.is_null() {
             &delta["function_call"]["arguments"]
@@ -209,9 +250,10 @@ impl Answer {
             "content_block_delta" => {
                 let delta = &value["delta"];
                 if let Some(text) = delta["text"].as_str() {
-                    self.text.push_str(text);
+                    self.text.push(text);
                 }
-                self.aside += length(&delta["thinking"]) + length(&delta["partial_json"]);
+                self.thoughts += length(&delta["thinking"]);
+                self.aside += length(&delta["partial_json"]);
             }
             "message_delta" => {
                 self.finish = finish(&value["delta"]["stop_reason"]).or(self.finish);
@@ -236,13 +278,31 @@ impl Answer {
         }
     }
 
+    /// Adds an object of Ollama's own API. Returns true at the end of the answer.
+    fn add_ollama(&mut self, value: &Value) -> bool {
+        let message = &value["message"];
+        self.text.push(message["content"].as_str().unwrap_or_default());
+        self.reasoning.push(message["thinking"].as_str().unwrap_or_default());
+        let call = &message["tool_calls"][0]["function"]["arguments"];
+        if !call.is_null() {
+            self.called.push_str(&call.to_string());
+        }
+        if value["done"] != true {
+            return false;
+        }
+        self.finish = finish(&value["done_reason"]).or(Some(Finish::Stop));
+        self.usage.prompt_tokens = tokens(&value["prompt_eval_count"]);
+        self.usage.completion_tokens = tokens(&value["eval_count"]);
+        true
+    }
+
     /// Returns true at the end of the answer. A finish reason may come with every part.
     fn add_gemini(&mut self, value: &Value) -> bool {
         let candidate = &value["candidates"][0];
         for part in candidate["content"]["parts"].as_array().into_iter().flatten() {
             match part["text"].as_str() {
-                Some(text) if part["thought"] == true => self.aside += text.len(),
-                Some(text) => self.text.push_str(text),
+                Some(text) if part["thought"] == true => self.thoughts += text.len(),
+                Some(text) => self.text.push(text),
                 None => self.aside += length(part),
             }
         }
@@ -260,6 +320,27 @@ impl Answer {
         }
         self.finish = finish(&candidate["finishReason"]).or(self.finish);
         false
+    }
+}
+
+/// Finish reasons of servers that give up in the middle of an answer.
+const FAILED: [&str; 7] = [
+    "error",
+    "network_error",
+    "insufficient_system_resource",
+    "abort",
+    "aborted",
+    "cancelled",
+    "canceled",
+];
+
+/// Returns the answer in the envelope that some gateways put around it.
+fn unwrapped(value: &Value) -> &Value {
+    let has_answer = |inner: &&Value| inner["choices"].is_array() || inner["response"].is_string();
+    let mut inner = ["data", "result"].into_iter().map(|name| &value[name]);
+    match value["choices"].is_null() {
+        true => inner.find(has_answer).unwrap_or(value),
+        false => value,
     }
 }
 
@@ -299,10 +380,23 @@ fn without_halves(data: &str) -> String {
 /// The finish reason in the terms of any dialect.
 fn finish(reason: &Value) -> Option<Finish> {
     Some(match reason.as_str()? {
-        "length" | "max_tokens" | "MAX_TOKENS" | "incomplete" | "model_context_window_exceeded" | "model_length" => {
-            Finish::Length
-        }
-        "content_filter" | "refusal" | "SAFETY" | "RECITATION" | "BLOCKLIST" | "PROHIBITED_CONTENT" | "SPII"
+        "length"
+        | "max_tokens"
+        | "MAX_TOKENS"
+        | "max_output_tokens"
+        | "incomplete"
+        | "model_context_window_exceeded"
+        | "model_length" => Finish::Length,
+        "content_filter"
+        | "content_filtered"
+        | "guardrail_intervened"
+        | "sensitive"
+        | "refusal"
+        | "SAFETY"
+        | "RECITATION"
+        | "BLOCKLIST"
+        | "PROHIBITED_CONTENT"
+        | "SPII"
         | "LANGUAGE" => Finish::Refused,
         _ => Finish::Stop,
     })

@@ -106,7 +106,10 @@ fn wrong(exchange: &Exchange, request: &str) -> Option<String> {
             return Some(format!("{name}: asked with {found:?}, recorded {value:?}"));
         }
     }
-    let body: Value = serde_json::from_str(body).ok()?;
+    let body: Value = match body {
+        "" => Value::Null,
+        body => serde_json::from_str(body).ok()?,
+    };
     (body != exchange.body).then(|| format!("asked {body:#}\nrecorded {:#}", exchange.body))
 }
 

@@ -3,17 +3,16 @@
 use std::time::{Duration, Instant};
 
 use longstep::dialogue::{ChatRequest, Reply};
-use reqwest::header::RETRY_AFTER;
 use reqwest::{RequestBuilder, Response};
-use serde_json::Value;
 
-use super::answer::{Answer, Effect, Unreadable};
+use super::answer::{Answer, Effect, NoReply, Unreadable};
+use super::complaint::Complaint;
 use super::dialect::Dialect;
 use super::endpoint::Endpoint;
 use super::event::{Broken, Event, EventReader};
 use super::failure::Failure;
 use super::limit::{self, COMPLAINT_BYTES, COMPLAINT_TIME};
-use super::retry::{retry_after, wait_in_body};
+use super::retry::{wait_in_body, wait_in_headers};
 use crate::call::{self, Call, GivenUp, root};
 use crate::{AnswerLimit, ModelError, Progress, Sampling, StopFlag};
 
@@ -34,6 +33,8 @@ pub(super) struct Outgoing<'a> {
     pub(super) dialect: Dialect,
     pub(super) request: &'a ChatRequest,
     pub(super) sampling: &'a Sampling,
+    /// The size of the context that Ollama's own API is asked for.
+    pub(super) context: Option<u64>,
 }
 
 /// A reply. `cut` is true if it was cut off because the server exceeded the limit.
@@ -100,12 +101,13 @@ impl Connection {
             dialect,
             request,
             sampling,
+            context,
         } = outgoing;
-        let mut post = self.http.post(endpoint.chat_url());
+        let mut post = self.http.post(dialect.chat_url(endpoint));
         for (name, value) in endpoint.chat_headers() {
             post = post.header(name, value);
         }
-        let post = post.json(&dialect.body(&endpoint.model, request, sampling));
+        let post = post.json(&dialect.body(&endpoint.model, request, sampling, *context));
         let sent = call.wait(self.silence, post.send()).await;
         let mut response = sent
             .map_err(|reason| self.given_up(reason, endpoint, call))?
@@ -113,7 +115,8 @@ impl Connection {
         if !response.status().is_success() {
             return Err(self.rejected(response, endpoint, call).await);
         }
-        let mut incoming = Incoming::new(endpoint, request.max_tokens);
+        let most = Dialect::max_tokens(request, sampling);
+        let mut incoming = Incoming::new(endpoint, *dialect, most);
         let mut finished: Option<Instant> = None;
         loop {
             // After the reason why the answer ends, only usage follows. Some servers then send signs of life for ever.
@@ -145,7 +148,7 @@ impl Connection {
     /// reported.
     async fn rejected(&self, mut response: Response, endpoint: &Endpoint, call: &Call<'_>) -> Failure {
         let status = response.status().as_u16();
-        let wait = response.headers().get(RETRY_AFTER).and_then(retry_after);
+        let wait = wait_in_headers(status, response.headers());
         let stopped = || call.stopped();
         let reading = Call::new(COMPLAINT_TIME.min(call.left()), &stopped);
         let mut body = Vec::new();
@@ -161,12 +164,7 @@ impl Connection {
             body.truncate(COMPLAINT_BYTES - KEY_BYTES);
         }
         let body = String::from_utf8_lossy(&body);
-        Failure::Rejected {
-            status,
-            message: endpoint.one_line(&complaint(&body)),
-            wait: wait.or_else(|| wait_in_body(&body)),
-            body: body.into_owned(),
-        }
+        rejection(endpoint, status, &body, wait)
     }
 
     fn given_up(&self, reason: GivenUp, endpoint: &Endpoint, call: &Call<'_>) -> Failure {
@@ -196,10 +194,13 @@ struct Incoming<'a> {
 }
 
 impl<'a> Incoming<'a> {
-    fn new(endpoint: &'a Endpoint, max_tokens: u32) -> Self {
+    fn new(endpoint: &'a Endpoint, dialect: Dialect, max_tokens: u32) -> Self {
         Self {
             endpoint,
-            events: EventReader::default(),
+            events: match dialect.is_native() {
+                true => EventReader::of_lines(),
+                false => EventReader::default(),
+            },
             answer: Answer::new(endpoint.kind, limit::text_bytes(max_tokens)),
             bytes: 0,
             most: limit::answer_bytes(max_tokens),
@@ -233,7 +234,13 @@ impl<'a> Incoming<'a> {
                     self.pieces += 1;
                     tell(Progress::Writing { tokens: self.pieces });
                 }
-                Effect::End => return Ok(true),
+                Effect::End => {
+                    // Some gateways put the end mark behind an answer that is no stream.
+                    if self.answer.is_blank() && self.events.stray().starts_with(['{', '[']) {
+                        self.add_whole()?;
+                    }
+                    return Ok(true);
+                }
                 Effect::Full => {
                     self.cut = true;
                     return Ok(true);
@@ -245,12 +252,13 @@ impl<'a> Incoming<'a> {
     /// Adds an event. An error before anything was written is a rejection of the request, whatever its status.
     fn effect(&mut self, event: &Event) -> Result<Effect, Failure> {
         self.answer.add(event).map_err(|reason| match reason {
-            Unreadable::Complaint(body) if self.answer.is_blank() => Failure::Rejected {
-                status: 200,
-                message: self.endpoint.one_line(&complaint(&body)),
-                wait: wait_in_body(&body),
-                body,
-            },
+            Unreadable::Complaint(body) if self.answer.is_blank() => rejection(self.endpoint, 200, &body, None),
+            Unreadable::Failed(reason) if self.answer.is_blank() => rejection(
+                self.endpoint,
+                500,
+                &format!("no answer (finish reason `{reason}`)"),
+                None,
+            ),
             reason => Failure::Final(unreadable(self.endpoint, reason)),
         })
     }
@@ -260,10 +268,14 @@ impl<'a> Incoming<'a> {
         if self.answer.is_finished() {
             return self.received();
         }
-        if self.events_read {
-            return Err(Failure::Final(bad(self.endpoint, BROKEN_OFF)));
-        }
         let body = self.events.stray().to_owned();
+        if self.events_read {
+            let reason = match self.endpoint.one_line(&start_of(&body)) {
+                words if words.is_empty() => BROKEN_OFF.to_owned(),
+                words => format!("{BROKEN_OFF}: {words}"),
+            };
+            return Err(Failure::Final(bad(self.endpoint, &reason)));
+        }
         if body.is_empty() {
             return Err(Failure::Unreachable(bad(self.endpoint, "its answer is empty")));
         }
@@ -277,12 +289,7 @@ impl<'a> Incoming<'a> {
             };
             return Err(Failure::Final(bad(self.endpoint, &reason)));
         }
-        // A server that does not stream.
-        let data = body.clone();
-        self.effect(&Event {
-            data,
-            ..Event::default()
-        })?;
+        self.add_whole()?;
         match self.answer.is_blank() && !self.answer.is_finished() {
             true => {
                 let reason = format!("it has no message: `{}`", self.endpoint.one_line(&start_of(&body)));
@@ -292,10 +299,33 @@ impl<'a> Incoming<'a> {
         }
     }
 
+    /// Adds the answer of a server that does not stream.
+    fn add_whole(&mut self) -> Result<(), Failure> {
+        let body = self.events.stray();
+        let data = body
+            .strip_suffix("[DONE]")
+            .map_or(body, |body| body.trim_end().trim_end_matches("data:"));
+        let whole = Event {
+            name: String::new(),
+            data: data.trim_end().to_owned(),
+        };
+        self.effect(&whole).map(|_| ())
+    }
+
     fn received(self) -> Result<Received, Failure> {
-        let reply = self.answer.reply(self.cut);
-        let reply = reply.map_err(|reason| Failure::Final(bad(self.endpoint, &reason)))?;
-        Ok(Received { reply, cut: self.cut })
+        let server = &self.endpoint.server;
+        match self.answer.reply(self.cut) {
+            Ok(reply) => Ok(Received { reply, cut: self.cut }),
+            Err(NoReply::Empty) => Err(Failure::Empty(bad(self.endpoint, "its message has no content"))),
+            Err(NoReply::ReasonedOnly { at_limit, tokens }) => Err(Failure::Final(ModelError::ReasonedOnly {
+                server: server.clone(),
+                reason: match (at_limit, tokens) {
+                    (false, _) => "it ended after its reasoning".to_owned(),
+                    (true, 0) => "it spent all of its tokens on reasoning".to_owned(),
+                    (true, tokens) => format!("it spent all of its {tokens} tokens on reasoning"),
+                },
+            })),
+        }
     }
 }
 
@@ -331,7 +361,10 @@ fn broken(endpoint: &Endpoint, reason: Broken) -> ModelError {
 fn unreadable(endpoint: &Endpoint, reason: Unreadable) -> ModelError {
     let reason = match reason {
         Unreadable::NoJson(reason) => format!("a part of it is not JSON: {}", endpoint.one_line(&reason)),
-        Unreadable::Complaint(event) => format!("{BROKEN_OFF}: {}", endpoint.one_line(&complaint(&event))),
+        Unreadable::Complaint(event) => {
+            format!("{BROKEN_OFF}: {}", endpoint.one_line(&Complaint::of(&event).message))
+        }
+        Unreadable::Failed(reason) => format!("{BROKEN_OFF} (finish reason `{}`)", endpoint.one_line(&reason)),
     };
     bad(endpoint, &reason)
 }
@@ -354,24 +387,17 @@ fn start_of(body: &str) -> String {
     body.chars().take(120).collect()
 }
 
-/// The message in a server's error body, with that of the server behind it; or the whole body.
-fn complaint(body: &str) -> String {
-    let value: Option<Value> = serde_json::from_str(body).ok();
-    let message = value.as_ref().and_then(|value| {
-        let value = value.get(0).unwrap_or(value);
-        let error = value.get("error").filter(|error| !error.is_null()).unwrap_or(value);
-        let text = [
-            &error["message"],
-            &error["detail"],
-            &value["base_resp"]["status_msg"],
-            error,
-        ];
-        let text = text.into_iter().find_map(Value::as_str)?;
-        let behind = match &error["metadata"]["raw"] {
-            Value::String(raw) => Some(complaint(raw)).filter(|behind| !behind.trim().is_empty()),
-            _ => None,
-        };
-        Some(behind.map_or_else(|| text.to_owned(), |behind| format!("{text}: {behind}")))
-    });
-    message.unwrap_or_else(|| body.to_owned())
+/// The failure of a request that the server rejects. A status in the body counts where the HTTP status is a success.
+fn rejection(endpoint: &Endpoint, status: u16, body: &str, wait: Option<Duration>) -> Failure {
+    let complaint = Complaint::of(body);
+    Failure::Rejected {
+        status: if status == 200 {
+            complaint.status.unwrap_or(200)
+        } else {
+            status
+        },
+        message: endpoint.one_line(&complaint.message),
+        wait: wait.or_else(|| wait_in_body(body)),
+        complaint,
+    }
 }

@@ -39,11 +39,21 @@ pub(super) struct EventReader {
     lines: u64,
     /// The first lines that belong to no event: the body of a server that streams nothing.
     stray: String,
+    /// True if a line alone may be an event: Ollama's own streams have an object in each line.
+    has_bare_lines: bool,
     /// The last byte was a carriage return: a line feed after it belongs to the same line end.
     after_return: bool,
 }
 
 impl EventReader {
+    /// A reader for streams with an object in each line, which may also have events.
+    pub(super) fn of_lines() -> Self {
+        Self {
+            has_bare_lines: true,
+            ..Self::default()
+        }
+    }
+
     /// Consumes `input` until an event is complete. Returns `None` when all of it is consumed.
     pub(super) fn next(&mut self, input: &mut &[u8]) -> Result<Option<Event>, Broken> {
         while let Some(&first) = input.first() {
@@ -115,6 +125,11 @@ impl EventReader {
                 data: error.trim().to_owned(),
             };
             return Ok(Some(whole).filter(|event| !event.data.is_empty()));
+        } else if self.has_bare_lines && text.starts_with('{') {
+            return Ok(Some(Event {
+                name: String::new(),
+                data: text.to_owned(),
+            }));
         } else if !text.starts_with(':') && self.stray.len() + text.len() < COMPLAINT_BYTES {
             self.stray.push_str(text);
             self.stray.push('\n');

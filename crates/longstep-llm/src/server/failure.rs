@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::complaint::Complaint;
 use crate::ModelError;
 
 /// Failure of an attempt.
@@ -13,9 +14,11 @@ pub(super) enum Failure {
         message: String,
         /// The wait that the server asks for, in `Retry-After` or in the body.
         wait: Option<Duration>,
-        /// The beginning of the body, in which the server may name what it rejects. It is never shown.
-        body: String,
+        /// The parameters that the server may name. It is never shown.
+        complaint: Complaint,
     },
+    /// The answer has ended without a word, which some servers do under load.
+    Empty(ModelError),
     /// A retry cannot help, or must not happen.
     Final(ModelError),
     /// The connection failed before the answer began.

@@ -1,12 +1,15 @@
 //! Models on servers, by the APIs of OpenAI, Anthropic and Gemini.
 //!
-//! [`dialect`] builds the request and omits parameters that the server rejects; [`connection`] sends it and reads the
-//! streamed answer, [`event`] by event, into an [`answer`]; [`retry`] decides about further attempts. [`limit`] bounds
+//! [`dialect`] decides what a request has, without the parameters that the server names in a [`complaint`], and [`body`] writes
+//! it; [`connection`] sends it and reads the streamed answer, [`event`] by event, into an [`answer`]; [`retry`] decides about further attempts. [`limit`] bounds
 //! everything that a server sends, and [`count`] counts tokens.
 
 mod answer;
+mod body;
+mod complaint;
 mod connection;
 mod count;
+mod delta_text;
 mod dialect;
 mod endpoint;
 mod event;
@@ -24,7 +27,7 @@ use longstep::dialogue::{
 };
 
 use crate::call::{Call, GivenUp};
-use crate::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, Watch};
+use crate::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Reasoning, Sampling, Watch};
 use connection::{Connection, Outgoing, Received};
 use count::Counter;
 use dialect::Dialect;
@@ -150,13 +153,23 @@ impl ChatModel for ServerModel {
                     status,
                     message,
                 },
-                Failure::Final(error) | Failure::Unreachable(error) => error,
+                Failure::Final(error) | Failure::Unreachable(error) | Failure::Empty(error) => error,
             });
         }
     }
 
+    /// The size without the tokens that are reserved for reasoning.
     fn context_tokens(&self) -> Option<u64> {
+        let reasoning = self.sampling.reasoning.map_or(0, Reasoning::tokens);
+        self.window().map(|window| window.saturating_sub(reasoning.into()))
+    }
+}
+
+impl ServerModel {
+    /// The size of the context: the user's value, else the server's.
+    fn window(&self) -> Option<u64> {
         let reported = match self.context.get() {
+            _ if self.given_context.is_some() => None,
             Some(known) => *known,
             None => {
                 let reported = probe::context(&self.endpoint, &self.connection);
@@ -208,6 +221,7 @@ impl ServerModel {
             dialect: self.dialect,
             request,
             sampling: &self.sampling,
+            context: self.dialect.is_native().then(|| self.window()).flatten(),
         };
         let mut tries = 0;
         loop {
@@ -227,7 +241,7 @@ impl ServerModel {
             tries += 1;
             let reason = match &failure {
                 Failure::Rejected { status, .. } => format!("it answered with status {status}"),
-                Failure::Final(error) | Failure::Unreachable(error) => error.to_string(),
+                Failure::Final(error) | Failure::Unreachable(error) | Failure::Empty(error) => error.to_string(),
             };
             tell(Progress::Warning(format!(
                 "{}: {reason}; trying again in {:.1} s",
@@ -243,20 +257,18 @@ impl ServerModel {
     /// The dialect without a rejected parameter, and a warning; `None` if the failure names no parameter that can be
     /// omitted.
     fn smaller(&self, failure: &Failure, request: &ChatRequest) -> Option<(Dialect, Option<&'static str>)> {
-        let Failure::Rejected {
-            status, message, body, ..
-        } = failure
-        else {
+        let Failure::Rejected { status, complaint, .. } = failure else {
             return None;
         };
+        let has_no_such_path = matches!(status, 404 | 405) && !complaint.says(&["model"]);
+        if self.dialect.is_native() && has_no_such_path {
+            return Some((self.dialect.compatible(), None));
+        }
         // Some servers report an invalid request, or a schema that they cannot follow, with status 500.
-        let is_invalid = || message.contains("validation error") || Dialect::is_about_request(body);
-        let rejected = matches!(status, 200 | 400 | 403 | 404 | 422) || (*status == 500 && is_invalid());
-        let smaller = || {
-            let by_message = self.dialect.without(message, request, &self.sampling);
-            by_message.or_else(|| self.dialect.without(body, request, &self.sampling))
-        };
-        rejected.then(smaller).flatten()
+        let is_invalid = || complaint.says(&["validation error"]) || Dialect::is_about_request(complaint);
+        let is_rejected = matches!(status, 200 | 400 | 403 | 404 | 422) || (*status == 500 && is_invalid());
+        let smaller = || self.dialect.without(complaint, request, &self.sampling);
+        is_rejected.then(smaller).flatten()
     }
 
     /// Calibrates token counts with a reply, and checks that the server respected limit and schema.

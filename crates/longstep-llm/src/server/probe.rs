@@ -79,8 +79,9 @@ struct LoadedModel {
     context_length: Option<u64>,
 }
 
-/// Context with which Ollama loads a model unless it is told otherwise.
-const OLLAMA_DEFAULT: u64 = 4096;
+/// Context that is asked for where neither the user nor the model has one: twice the one with which Ollama loads models by
+/// itself.
+const OLLAMA_DEFAULT: u64 = 8192;
 
 /// Ollama's answer about a model.
 #[derive(Deserialize)]
@@ -143,8 +144,7 @@ impl<'de> Visitor<'de> for WholeVisitor {
 }
 
 impl About {
-    /// The configured context (`num_ctx 8192` in a list of parameters), else the one with which Ollama loads a model of this
-    /// training.
+    /// The configured context (`num_ctx 8192` in a list of parameters), else one that the model was trained for.
     fn context(&self) -> Option<u64> {
         let configured = self.parameters.lines().find_map(|line| {
             let (name, value) = line.trim().split_once(char::is_whitespace)?;

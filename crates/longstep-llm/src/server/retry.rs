@@ -2,7 +2,8 @@
 
 use std::time::{Duration, SystemTime};
 
-use reqwest::header::HeaderValue;
+use jiff::Timestamp;
+use reqwest::header::{HeaderMap, HeaderValue, RETRY_AFTER};
 
 use super::failure::Failure;
 
@@ -17,18 +18,61 @@ pub(super) fn pause(failure: &Failure, tries: u32) -> Option<Duration> {
     let backoff = Duration::from_millis(500) * 2_u32.pow(tries.min(RETRIES));
     let pause = match failure {
         Failure::Unreachable(_) => backoff,
+        // Not more than once: most servers that say nothing have nothing to say.
+        Failure::Empty(_) if tries == 0 => backoff,
         Failure::Rejected {
             status: 408 | 429 | 500..,
             wait,
             ..
         } => wait.unwrap_or(backoff),
-        Failure::Rejected { .. } | Failure::Final(_) => return None,
+        Failure::Rejected { .. } | Failure::Empty(_) | Failure::Final(_) => return None,
     };
     (tries < RETRIES && pause <= PATIENCE).then_some(pause)
 }
 
+/// The wait that headers name: `Retry-After`, and for too many requests what providers have besides it.
+pub(super) fn wait_in_headers(status: u16, headers: &HeaderMap) -> Option<Duration> {
+    let text = |name: &str| headers.get(name)?.to_str().ok().map(str::trim);
+    if let Some(milliseconds) = text("retry-after-ms").and_then(|text| text.parse::<f64>().ok()) {
+        return Duration::try_from_secs_f64(milliseconds / 1000.0).ok();
+    }
+    if let Some(wait) = headers.get(RETRY_AFTER).and_then(retry_after) {
+        return Some(wait);
+    }
+    let budgets = ["requests", "tokens"].into_iter().filter_map(|budget| {
+        let is_left = |name: String| text(&name).is_some_and(|left| left != "0");
+        let openai = || {
+            let reset = text(&format!("x-ratelimit-reset-{budget}"))?;
+            go_duration(reset).filter(|_| !is_left(format!("x-ratelimit-remaining-{budget}")))
+        };
+        let anthropic = || {
+            let reset = text(&format!("anthropic-ratelimit-{budget}-reset"))?
+                .parse::<Timestamp>()
+                .ok()?;
+            let wait = Duration::try_from(reset.duration_since(Timestamp::now())).unwrap_or_default();
+            (!is_left(format!("anthropic-ratelimit-{budget}-remaining"))).then_some(wait)
+        };
+        openai().or_else(anthropic)
+    });
+    budgets.max().filter(|_| status == 429)
+}
+
+/// Reads a duration as OpenAI writes it: `120ms`, `6m0s`, `1h2m3.5s`.
+fn go_duration(text: &str) -> Option<Duration> {
+    let (mut rest, mut seconds) = (text, 0.0);
+    while !rest.is_empty() {
+        let end = rest.find(|sign: char| !sign.is_ascii_digit() && sign != '.')?;
+        let number: f64 = rest[..end].parse().ok()?;
+        let units = [("ms", 0.001), ("h", 3600.0), ("m", 60.0), ("s", 1.0)];
+        let (unit, factor) = units.into_iter().find(|(unit, _)| rest[end..].starts_with(unit))?;
+        seconds += number * factor;
+        rest = &rest[end + unit.len()..];
+    }
+    Duration::try_from_secs_f64(seconds).ok()
+}
+
 /// The wait of a `Retry-After` header: seconds, or a date.
-pub(super) fn retry_after(value: &HeaderValue) -> Option<Duration> {
+fn retry_after(value: &HeaderValue) -> Option<Duration> {
     let text = value.to_str().ok()?.trim();
     if let Ok(seconds) = text.parse::<f64>() {
         return Duration::try_from_secs_f64(seconds).ok();
@@ -60,7 +104,38 @@ pub(super) fn wait_in_body(body: &str) -> Option<Duration> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::complaint::Complaint;
     use super::*;
+
+    #[test]
+    fn providers_have_headers_of_their_own() {
+        for (name, value, status, milliseconds) in [
+            ("retry-after-ms", "900", 429, Some(900)),
+            ("x-ratelimit-reset-requests", "6m0s", 429, Some(360_000)),
+            ("x-ratelimit-reset-tokens", "120ms", 429, Some(120)),
+            ("x-ratelimit-reset-tokens", "1h2m3.5s", 429, Some(3_723_500)),
+            ("x-ratelimit-reset-tokens", "soon", 429, None),
+            ("x-ratelimit-reset-tokens", "120ms", 500, None),
+            ("anthropic-ratelimit-tokens-reset", "2024-03-26T20:00:00Z", 429, Some(0)),
+            ("anthropic-ratelimit-tokens-reset", "later", 429, None),
+        ] {
+            let mut headers = HeaderMap::new();
+            headers.insert(name, HeaderValue::from_static(value));
+            let wait = wait_in_headers(status, &headers);
+            assert_eq!(wait.map(|wait| wait.as_millis()), milliseconds, "{name}: {value}");
+        }
+        // The budget that has something left is not the one that is waited for.
+        let mut headers = HeaderMap::new();
+        for (name, value) in [
+            ("x-ratelimit-reset-requests", "6m0s"),
+            ("x-ratelimit-remaining-requests", "9"),
+            ("x-ratelimit-reset-tokens", "2s"),
+            ("x-ratelimit-remaining-tokens", "0"),
+        ] {
+            headers.insert(name, HeaderValue::from_static(value));
+        }
+        assert_eq!(wait_in_headers(429, &headers), Some(Duration::from_secs(2)));
+    }
 
     #[test]
     fn a_body_says_how_long() {
@@ -100,7 +175,7 @@ mod tests {
             status,
             message: String::new(),
             wait,
-            body: String::new(),
+            complaint: Complaint::default(),
         };
         let milliseconds = |failure: &Failure, tries| pause(failure, tries).map(|pause| pause.as_millis());
         for status in [408, 429, 500, 503] {
