@@ -171,7 +171,19 @@ fn the_shipped_suites_are_listed() {
     let folder = folder();
     let list = stdout(&longstep(folder.path(), &["eval", "list"]));
     let names: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["branching", "household", "kitchen", "long", "two-arms"]);
+    assert_eq!(
+        names,
+        [
+            "branching",
+            "household",
+            "kitchen",
+            "long",
+            "two-arms",
+            "unsaid",
+            "unsaid-arms",
+            "unsaid-rooms"
+        ]
+    );
 }
 
 /// The paper's two tables from its recordings: seventy cells, and fourteen numbers of rounds.

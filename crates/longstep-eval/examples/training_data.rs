@@ -376,7 +376,7 @@ fn training_case(suite: &Suite, domain: &longstep::domain::Domain, case: &Case) 
             let facts: Vec<String> = goal.facts.iter().map(|fact| fact.everyday(&world)).collect();
             Some(facts.join(" & "))
         }
-        Expected::Refusal | Expected::Either => return None,
+        Expected::Refusal | Expected::Either | Expected::Nothing => return None,
     };
     let mut world = suite.world(case);
     // A session adds them, too.

@@ -105,6 +105,8 @@ pub enum Wanted {
     Refusal,
     /// A clarifying question, or no plan.
     Either,
+    /// An empty plan, or a clarifying question.
+    Nothing,
 }
 
 /// The kind of result of an instruction.

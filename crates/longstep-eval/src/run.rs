@@ -247,13 +247,18 @@ impl Observed<'_> {
                 Outcome::Invalid => one("the plan is not valid"),
                 _ => one("there is no plan"),
             },
+            (Expected::Nothing, Some(plan)) if plan.steps().is_empty() => Vec::new(),
+            (Expected::Nothing, Some(_)) => one("it did something, and there was nothing to do"),
             (_, Some(_)) => one("it planned, and there was nothing to plan"),
-            (Expected::Question | Expected::Either, None) if outcome == Outcome::Question => Vec::new(),
+            (Expected::Question | Expected::Either | Expected::Nothing, None) if outcome == Outcome::Question => {
+                Vec::new()
+            }
             (Expected::Refusal | Expected::Either, None) if proven => Vec::new(),
             // Giving up without a proof is accepted here.
             (Expected::Either, None) if outcome == Outcome::GaveUp => Vec::new(),
             (Expected::Question, None) => one("it did not ask back"),
             (Expected::Refusal, None) => one("it did not find out that there is no plan"),
+            (Expected::Nothing, None) => one("it neither asked back nor said that there is nothing to do"),
             (Expected::Either, None) => one("it neither asked back nor said that it has no plan"),
         }
     }
@@ -269,6 +274,7 @@ impl Observed<'_> {
             Expected::Question => Wanted::Question,
             Expected::Refusal => Wanted::Refusal,
             Expected::Either => Wanted::Either,
+            Expected::Nothing => Wanted::Nothing,
         }
     }
 

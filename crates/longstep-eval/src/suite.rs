@@ -75,6 +75,8 @@ pub enum Expected {
     Refusal,
     /// A clarifying question, or no plan, with or without a proof.
     Either,
+    /// Nothing is done: an empty plan, or a clarifying question.
+    Nothing,
 }
 
 impl Expected {
@@ -82,7 +84,7 @@ impl Expected {
     pub fn goals(&self) -> &[Goal] {
         match self {
             Self::Plan(goals) => goals,
-            Self::Question | Self::Refusal | Self::Either => &[],
+            Self::Question | Self::Refusal | Self::Either | Self::Nothing => &[],
         }
     }
 }

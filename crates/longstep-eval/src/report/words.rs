@@ -71,6 +71,7 @@ pub(super) fn expected(wanted: &Wanted) -> String {
         Wanted::Question => "a question back".to_owned(),
         Wanted::Refusal => "no plan, since there is none".to_owned(),
         Wanted::Either => "a question back or no plan".to_owned(),
+        Wanted::Nothing => "nothing done, or a question back".to_owned(),
     }
 }
 

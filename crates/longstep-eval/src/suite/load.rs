@@ -332,14 +332,19 @@ impl Loader<'_> {
                 "question" => Some(Expected::Question),
                 "refusal" => Some(Expected::Refusal),
                 "either" => Some(Expected::Either),
+                "nothing" => Some(Expected::Nothing),
                 other => {
                     let message = format!("`{other}` is nothing that can be expected");
-                    self.hinted(expect.span().start, message, "write question, refusal or either");
+                    self.hinted(
+                        expect.span().start,
+                        message,
+                        "write question, refusal, either or nothing",
+                    );
                     None
                 }
             },
             _ => {
-                let hint = "`goal` is what must hold in the end; `expect` is question, refusal or either";
+                let hint = "`goal` is what must hold in the end; `expect` is question, refusal, either or nothing";
                 self.hinted(wished.at, "an instruction has either `goal` or `expect`", hint);
                 None
             }

@@ -56,7 +56,7 @@ fn everything_that_is_wrong_is_told_with_its_place() {
     check(
         "[[case]]\nid = 'a'\nscene = 'dest'\nsays = 'x'\ngoal = 'put(pen, shelf)'\n\
          [[case]]\nid = 'a'\nscene = 'desk'\nsays = ' '\ngoal = 'put(comb, shelf)'\n\
-         [[case]]\nid = 'c'\nscene = 'desk'\nsays = 'x'\nexpect = 'nothing'\n\
+         [[case]]\nid = 'c'\nscene = 'desk'\nsays = 'x'\nexpect = 'everything'\n\
          [[case]]\nid = 'd'\nscene = 'desk'\nsays = 'x'\ngoal = 'put(pen, shelf)'\nexpect = 'question'\n\
          [[case]]\nid = 'e'\nscene = 'desk'\n",
         &[
@@ -64,8 +64,8 @@ fn everything_that_is_wrong_is_told_with_its_place() {
             "mine/cases.toml:6:1: the instruction is empty",
             "mine/cases.toml:7:6: the id `a` is taken by the case at mine/cases.toml:2\n  hint: give each case an id of its own",
             "mine/cases.toml:10:8: `put(comb, shelf)`: `comb` in `put(comb, shelf)` is nothing in the environment",
-            "mine/cases.toml:15:10: `nothing` is nothing that can be expected\n  hint: write question, refusal or either",
-            "mine/cases.toml:16:1: an instruction has either `goal` or `expect`\n  hint: `goal` is what must hold in the end; `expect` is question, refusal or either",
+            "mine/cases.toml:15:10: `everything` is nothing that can be expected\n  hint: write question, refusal, either or nothing",
+            "mine/cases.toml:16:1: an instruction has either `goal` or `expect`\n  hint: `goal` is what must hold in the end; `expect` is question, refusal, either or nothing",
             "mine/cases.toml:22:1: a case has either `says` or `steps`\n  hint: `steps` is for a chain of instructions",
         ],
     );
@@ -200,6 +200,9 @@ fn the_shipped_suites_are_as_large_as_they_say() {
             ("kitchen", (132, 132)),
             ("long", (4, 185)),
             ("two-arms", (25, 25)),
+            ("unsaid", (11, 11)),
+            ("unsaid-arms", (5, 5)),
+            ("unsaid-rooms", (6, 6)),
         ]
         .into()
     );
