@@ -143,6 +143,117 @@ fn plans_of_planners_are_verified_and_repaired() {
 }
 
 #[test]
+fn plans_in_the_notations_of_others_are_verified_and_repaired() {
+    const FLAT: [&str; 4] = ["--env", "examples/environments/flat.json", "--domain", "virtualhome"];
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let tool_call = r#"{"message": {"tool_calls": [{"function": {"name": "walktowards", "arguments": {"target": "cabinet_7"}}},
+        {"function": {"name": "open", "arguments": "{\"target\": \"cabinet_7\"}"}}]}}"#;
+    let put = r#"[{"action": "Walktowards", "to": "cabinet_7"}, {"action": "Open", "thing": "cabinet_7"},
+        {"action": "Grab", "what": "cupcake_10"}, {"action": "Walktowards", "to": "coffeetable_3"},
+        {"action": "Put", "KEYS"}]"#;
+    for (name, text, code, shown) in [
+        (
+            "vh.txt",
+            "Look inside\nOpen it.\n\n\n[WALK] <cabinet> (1.7)\n[OPEN] <cabinet> (1.7)\n",
+            0,
+            "the plan was read as a VirtualHome script",
+        ),
+        (
+            "unity.txt",
+            "<char0> [walk] <cabinet> (7)\n<char0> [open] <cabinet> (7)\n<char0> [grab] <cupcake> (10)\n\
+             <char0> [walk] <coffeetable> (3)\n<char0> [putback] <cupcake> (10) <coffeetable> (3)\n",
+            0,
+            "the plan was read as a VirtualHome script",
+        ),
+        (
+            "calls.json",
+            tool_call,
+            0,
+            "the plan was read as objects of one step each",
+        ),
+        (
+            "list.md",
+            "1. `Walktowards(cabinet_7)`\n2. `Open(cabinet_7)`\n3. `Grab(cupcake_10)`\n",
+            0,
+            "the plan was read as a numbered list",
+        ),
+        (
+            "short.md",
+            "- Grab(<cupcake_10>)\n",
+            10,
+            "the plan was read as a list of calls",
+        ),
+        (
+            "plan.yaml",
+            "plan:\n  - action: Walktowards\n    to: cabinet_7\n  - Open: cabinet_7\n",
+            0,
+            "the plan was read as YAML",
+        ),
+        (
+            "fork.json",
+            r#"{"instructions": ["open it"], "program": ["WalkTowards(<cabinet_7>)", "Open(<cabinet_7>)"]}"#,
+            0,
+            "the plan was read as a list of steps",
+        ),
+        (
+            "named.json",
+            &put.replace("KEYS", "item\": \"cupcake_10\", \"place\": \"coffeetable_3"),
+            0,
+            "",
+        ),
+        (
+            "swapped.json",
+            &put.replace("KEYS", "onto\": \"coffeetable_3\", \"what\": \"cupcake_10"),
+            0,
+            "",
+        ),
+        (
+            "tree.xml",
+            "<root BTCPP_format=\"4\"><BehaviorTree ID=\"Main\"><Open thing=\"cabinet_7\"/></BehaviorTree></root>",
+            30,
+            "this is a behaviour tree in XML, which is not read as a plan",
+        ),
+        ("prose.txt", "Walk to the cabinet.", 30, "a VirtualHome script"),
+    ] {
+        let path = file(name, text);
+        let (found, stdout, stderr) = longstep(&[&["verify", &path], &FLAT[..]].concat());
+        assert_eq!(found, code, "{name}: {stdout}{stderr}");
+        let printed = format!("{stdout}{stderr}");
+        let words: Vec<&str> = printed.split_whitespace().collect();
+        assert!(words.join(" ").contains(shown), "{name}: {printed}");
+    }
+    let (short, saved) = (file("short.md", "- Grab(<cupcake_10>)\n"), file("mended.json", ""));
+    let (code, stdout, _) = longstep(&[&["repair", &short, "--save", &saved], &FLAT[..]].concat());
+    assert_eq!(code, 0, "{stdout}");
+    assert_eq!(longstep(&[&["verify", &saved], &FLAT[..]].concat()).0, 0);
+}
+
+#[test]
+fn environments_may_be_python_literals() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("env.py");
+    let text = "# the office\n{'environment': {\n    'assets': ['<desk>', '<shelf>', '<floor>',],\n    \
+        'asset_states': {'<shelf>': 'on_something(<floor>)'},\n    'objects': ('<pen>',),\n    \
+        'object_states': {'<pen>': 'on_something(<desk>)'},  # dry?\n    'names': None,\n}}\n";
+    std::fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap();
+    let (code, stdout, stderr) = longstep(&["solve", "--goal", "put(pen, shelf)", "--env", path]);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    std::fs::write(path, text.replace("None", "Nothing")).unwrap();
+    let (code, _, stderr) = longstep(&["solve", "--goal", "put(pen, shelf)", "--env", path]);
+    assert_eq!(code, 30);
+    assert!(
+        stderr.contains("`Nothing` is not in quotes at line 7 column 14"),
+        "{stderr}"
+    );
+}
+
+#[test]
 fn goals_are_solved() {
     snapshot!("solve", &["solve", "--goal", "put(butter, shelf top)", "--env", PANTRY]);
     snapshot!(

@@ -144,7 +144,7 @@ fn named_parameters_bind_what_a_call_hides() {
     assert_eq!(answer.steps[0].implicit["to"], "<rack>");
     check(
         "move_hand(at='<rack>')\n",
-        &["step 1: the call hides no parameter `at`"],
+        &["step 1: the call has no free parameter `at`"],
     );
     check(
         "with parallel():\n  with lane('left'):\n    move_hand()\n",
