@@ -384,11 +384,10 @@ fn is_bare_identifier(text: &str) -> bool {
 /// Iterates over the places of a text that have the form of an identifier.
 fn identifier_like(text: &str) -> impl Iterator<Item = Range<usize>> {
     let is_part = |c: char| c.is_alphanumeric() || is_mark(c) || matches!(c, '_' | '-' | '.');
-    let words = text.split(move |c| !is_part(c)).filter_map(move |word| {
+    text.split(move |c| !is_part(c)).filter_map(move |word| {
         // A full stop ends a sentence.
         let trimmed = word.trim_matches(['.', '-']);
         let start = trimmed.as_ptr() as usize - text.as_ptr() as usize;
         is_bare_identifier(trimmed).then_some(start..start + trimmed.len())
-    });
-    words
+    })
 }
