@@ -1,5 +1,7 @@
 //! `longstep domain`: shows, checks and creates domains.
 
+mod interview;
+mod kept_answers;
 mod new_domain;
 mod questions;
 mod trial;

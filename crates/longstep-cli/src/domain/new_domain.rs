@@ -9,6 +9,7 @@ use longstep::domain::{self, Answers, NewDomain, SourceText};
 use longstep_eval::suite;
 use longstep_llm::{plain_reason, read_text};
 
+use super::kept_answers::KeptAnswers;
 use super::questions;
 use crate::arguments::NewDomainArguments;
 use crate::failure::Failure;
@@ -53,11 +54,10 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
     if asks && !arguments.starter {
         let answers = questions::answers(&name)?;
         let new = domain::from_answers(&answers)?;
-        return finish(
-            folder,
-            new,
-            vec![("answers.toml".to_owned(), questions::written(&answers))],
-        );
+        let kept = vec![("answers.toml".to_owned(), questions::written(&answers))];
+        finish(folder, new, kept)?;
+        KeptAnswers::remove();
+        return Ok(());
     }
     write_folder(folder, &domain::starter(&name))?;
     let shown = folder.display();

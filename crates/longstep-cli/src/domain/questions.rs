@@ -1,83 +1,90 @@
 //! The questions of `longstep domain new`.
 
-use anyhow::Result;
-use longstep::domain::{ActionAnswer, Answers, KindAnswer, guess_removed};
+use std::io::IsTerminal;
 
-use crate::output::remark;
+use anyhow::Result;
+use longstep::domain::Answers;
+
+use super::interview::{Question, interview};
+use super::kept_answers::KeptAnswers;
+use crate::failure::Failure;
+use crate::output::{Style, remark};
 use crate::question::ask;
 
-/// Actions that are asked for; more can be added to answers.toml.
-const ACTIONS: usize = 50;
-
-/// Asks about a robot. The questions go to stderr, one answer a line.
+/// Asks about a robot. The questions go to stderr, one answer a line; "back" takes the last answer back.
 pub(super) fn answers(name: &str) -> Result<Answers> {
-    remark!("A few questions about the robot. An empty line takes the answer in brackets.");
-    let robot = ask("What is the robot called in a sentence? \"the ...\"", "robot")?.unwrap_or_default();
-    let mut answers = Answers {
-        name: name.to_owned(),
-        robot: Some(robot.clone()),
-        ..Answers::default()
-    };
-    let things = ask(
-        "Which kinds of things does it move or carry? (with commas: box, letter)",
-        "box",
-    )?;
-    let places = ask(
-        "Which kinds of places and furniture stay where they are? (shelf, door)",
-        "shelf",
-    )?;
-    for (stays, list) in [(false, things), (true, places)] {
-        for kind in split(&list.unwrap_or_default(), ',') {
-            answers.kind.push(KindAnswer {
-                name: kind,
-                stays,
-                examples: Vec::new(),
-            });
+    let keeps = std::io::stdin().is_terminal();
+    let mut given = if keeps { kept(name)? } else { Vec::new() };
+    let mut taken_back: Option<String> = None;
+    loop {
+        let next = match interview(name, &given) {
+            Ok(answers) => return Ok(answers),
+            Err(next) => *next,
+        };
+        if let Some(mistake) = &next.rejected {
+            remark!("{} {}", "error:".red().bold(), mistake.message);
+            remark!("{} {}", "hint:".cyan().bold(), mistake.hint);
+            given.pop();
+        } else if taken_back.is_none() {
+            next.introduction.iter().for_each(|line| remark!("{line}"));
+        }
+        let default = taken_back.take().unwrap_or_else(|| next.default.clone());
+        match ask(&next.text, &default)? {
+            None if keeps => {
+                let failure = Failure::unreadable("the questions are not finished");
+                return Err(failure
+                    .hint("the answers are kept: the same command goes on here")
+                    .into());
+            }
+            // A pipe may leave out the last answers.
+            None => given.push(at_end(&next)?),
+            Some(answer) if answer == "back" => match given.pop() {
+                Some(last) => taken_back = Some(last),
+                None => remark!("This is the first question."),
+            },
+            Some(answer) => given.push(answer),
+        }
+        if keeps {
+            let folder = name.to_owned();
+            let answers = given.clone();
+            KeptAnswers { folder, answers }.write();
         }
     }
-    remark!("Now its actions, each with its kinds: \"pick up a box\", \"put a box on a shelf\", \"open a door\".");
-    remark!(
-        "Separate sentences by \";\". \"no box\" and \"any box\" mean all of them, \"not\" the opposite, \"-\" nothing."
-    );
-    while answers.action.len() < ACTIONS {
-        let number = answers.action.len() + 1;
-        let Some(words) = ask(&format!("Action {number} (empty: no more)"), "")?.filter(|words| !words.is_empty())
-        else {
-            break;
-        };
-        let example = format!("Before it, what has to hold? (the {robot} holds the box; the box is on a shelf)");
-        let needs = ask(&example, "-")?.unwrap_or_default();
-        let then = loop {
-            match ask("After it, what holds? (the box is on the shelf)", "")? {
-                Some(then) if then.is_empty() => remark!("An action without a result is of no use in a plan."),
-                then => break then.unwrap_or_default(),
-            }
-        };
-        let mut action = ActionAnswer {
-            words,
-            needs: sentences(&needs),
-            then: sentences(&then),
-            no_longer: None,
-        };
-        let guess = guess_removed(&answers, &action).join("; ");
-        let default = if guess.is_empty() { "-" } else { &guess };
-        let removed = ask("After it, what holds no longer?", default)?.unwrap_or_default();
-        action.no_longer = Some(sentences(&removed));
-        answers.action.push(action);
+}
+
+/// Returns the answer to a question after the end of the input.
+fn at_end(question: &Question) -> Result<String> {
+    match &question.rejected {
+        None => Ok(question.default.clone()),
+        Some(mistake) => Err(
+            Failure::unreadable(format!("the input ends after a mistake: {}", mistake.message))
+                .hint(mistake.hint.clone())
+                .into(),
+        ),
     }
-    Ok(answers)
 }
 
-fn split(text: &str, separator: char) -> Vec<String> {
-    let parts = text
-        .split(separator)
-        .map(str::trim)
-        .filter(|part| !part.is_empty() && *part != "-");
-    parts.map(str::to_owned).collect()
-}
-
-fn sentences(text: &str) -> Vec<String> {
-    split(text, ';')
+/// Offers the answers of an interview that was interrupted.
+fn kept(name: &str) -> Result<Vec<String>> {
+    let Some(mut kept) = KeptAnswers::read() else {
+        return Ok(Vec::new());
+    };
+    // A mistake that was kept is asked for again.
+    if interview(name, &kept.answers).is_err_and(|next| next.rejected.is_some()) {
+        kept.answers.pop();
+    }
+    let count = kept.answers.len();
+    let text = format!(
+        "{count} answers for `{}` are kept. Go on with them? (yes or no)",
+        kept.folder
+    );
+    match ask(&text, "yes")?.as_deref() {
+        Some("no" | "n") => {
+            KeptAnswers::remove();
+            Ok(Vec::new())
+        }
+        _ => Ok(kept.answers),
+    }
 }
 
 /// Writes the answers as a file for `--from`.
@@ -95,11 +102,13 @@ pub(super) fn written(answers: &Answers) -> String {
     if let Some(robot) = &answers.robot {
         text.push_str(&format!("robot = {}\n", quoted(robot)));
     }
+    text.push_str(&format!("start = {}\n", list(&answers.start)));
     for kind in &answers.kind {
         text.push_str(&format!(
-            "\n[[kind]]\nname = {}\nstays = {}\n",
+            "\n[[kind]]\nname = {}\nstays = {}\nexamples = {}\n",
             quoted(&kind.name),
-            kind.stays
+            kind.stays,
+            list(&kind.examples)
         ));
     }
     for action in &answers.action {

@@ -164,7 +164,7 @@ impl<'a> AnswerReader<'a> {
     fn excluded(&self, action: &ActionAnswer, had: &Had) -> Vec<String> {
         let answers = self.answers;
         let robot = answers.robot();
-        let speaks_of_robot = |text: &str| plain(text).contains(&robot);
+        let speaks_of_robot = |text: &str| plain(text).join(" ").contains(&robot);
         let subject = kinds_of(&self.sentence(&action.words)).first().copied();
         let mut removed: Vec<String> = Vec::new();
         for then in &action.then {

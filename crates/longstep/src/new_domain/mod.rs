@@ -7,6 +7,7 @@
 mod answer_pddl;
 mod answer_reader;
 mod answers;
+mod author;
 mod example;
 mod example_world;
 mod problem;
@@ -21,6 +22,7 @@ use std::collections::BTreeMap;
 
 pub use answer_reader::guess_removed;
 pub use answers::{ActionAnswer, Answers, KindAnswer};
+pub use author::{AnswerMistake, action_mistake, guess_start, same_state, sentence_mistake, start_mistake};
 pub use sample::{Sample, samples};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
