@@ -236,9 +236,7 @@ fn leading_to<'a>(rules: &Rules<'a>, facts: &ActionFacts<'_>, predicate: Predica
             })
         };
         let sources = rules.adding(other.predicate);
-        let source = sources
-            .first()
-            .filter(|_| sources.iter().all(|source| needs_it(source)));
+        let source = sources.first().filter(|_| sources.iter().all(needs_it));
         found = found.or(source
             .filter(|source| source.name() != facts.name())
             .map(|source| source.name()));
@@ -255,7 +253,7 @@ fn left_behind(rules: &Rules<'_>, predicate: PredicateId) -> Option<Permanent> {
     for facts in &adding {
         let gained = facts.adds.iter().filter(|atom| atom.predicate == predicate);
         for gained in gained {
-            let before = facts.needs.iter().filter(|atom| atom.predicate == predicate);
+            let mut before = facts.needs.iter().filter(|atom| atom.predicate == predicate);
             let differs = |before: &&&Atom| {
                 let pairs = before.terms.iter().zip(&gained.terms).enumerate();
                 let changed: Vec<usize> = pairs
@@ -265,7 +263,7 @@ fn left_behind(rules: &Rules<'_>, predicate: PredicateId) -> Option<Permanent> {
                 // The first argument stays and the place changes; in the other case, a fact spreads.
                 changed.len() == 1 && (changed != [0] || before.terms.len() == 1)
             };
-            let Some(before) = before.filter(differs).next() else {
+            let Some(before) = before.find(differs) else {
                 continue;
             };
             if gained.terms.len() == 1 && !about_robot {
