@@ -208,6 +208,30 @@ fn questions_are_right_where_they_are_expected() {
 }
 
 #[test]
+fn nothing_is_done_where_that_is_expected() {
+    let attempt = |goals: &[&str], question: &str| {
+        let reply = json!({"question": question, "goals": goals});
+        attempt(Strategy::Goal, "The tablelamp stays off.", "expect = 'nothing'", &reply)
+    };
+    for (goals, question, why) in [
+        (&["off(tablelamp)"][..], "", None),
+        (&[], "Which lamp?", None),
+        (
+            &["on(tablelamp)"],
+            "",
+            Some("it did something, and there was nothing to do"),
+        ),
+    ] {
+        let judged = attempt(goals, question);
+        assert_eq!(
+            (judged.correct, judged.why.first().map(String::as_str)),
+            (why.is_none(), why),
+            "{goals:?}"
+        );
+    }
+}
+
+#[test]
 fn an_expected_order_and_an_expected_prohibition_are_judged() {
     let mug = [WALK, GRAB, GO, PUT];
     let magazine = [WALK, "Grab(<magazine_11>)", GO, "Put(<magazine_11>, <sofa_2>)"];

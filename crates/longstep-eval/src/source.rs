@@ -137,6 +137,7 @@ impl Source for Recorded {
         let replies = self.replies.get(&(case.to_owned(), trial)).cloned().unwrap_or_default();
         self.current = Script {
             replies: replies.into(),
+            last: None,
         };
         Ok(&mut self.current)
     }
@@ -147,10 +148,11 @@ impl Source for Recorded {
     }
 }
 
-/// A model that gives prepared replies to any requests.
+/// A model that gives prepared replies to any requests, and its last one again where that cannot be read.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Script {
     replies: VecDeque<String>,
+    last: Option<String>,
 }
 
 impl TokenCounter for Script {
@@ -177,12 +179,13 @@ impl ChatModel for Script {
     }
 
     fn chat(&mut self, _: &ChatRequest, _: &mut dyn Watch) -> Result<Reply, ModelError> {
-        let Some(text) = self.replies.pop_front() else {
+        let Some(text) = self.replies.pop_front().or_else(|| self.last.clone()) else {
             return Err(ModelError::Unsupported {
                 model: "recorded replies".to_owned(),
                 reason: "there are no more of them".to_owned(),
             });
         };
+        self.last = Some(text.clone());
         Ok(Reply {
             usage: Usage {
                 calls: 1,

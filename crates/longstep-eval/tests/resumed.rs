@@ -33,7 +33,7 @@ says = 'Put the comb on the shelf.'
 expect = 'question'
 ";
 
-/// Two trials. In the second one another thing than the pen is spoken of, and the chain's first reply is no reply.
+/// Two trials. In the second one another thing than the pen is spoken of, and the chain's first two replies are no replies.
 const REPLIES: &str = r#"[
     {"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}},
     {"case": "chain", "round": 0, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
@@ -41,8 +41,9 @@ const REPLIES: &str = r#"[
     {"case": "comb", "reply": {"question": "Which comb?", "goals": []}},
     {"case": "pen", "trial": 2, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
     {"case": "chain", "trial": 2, "round": 0, "reply": "no idea"},
-    {"case": "chain", "trial": 2, "round": 1, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
-    {"case": "chain", "trial": 2, "round": 2, "reply": {"question": "", "goals": ["put(cup, desk)"]}},
+    {"case": "chain", "trial": 2, "round": 1, "reply": "no idea at all"},
+    {"case": "chain", "trial": 2, "round": 2, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
+    {"case": "chain", "trial": 2, "round": 3, "reply": {"question": "", "goals": ["put(cup, desk)"]}},
     {"case": "comb", "trial": 2, "reply": {"question": "", "goals": ["put(cup, shelf)"]}}
 ]"#;
 

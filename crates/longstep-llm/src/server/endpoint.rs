@@ -89,8 +89,7 @@ impl Endpoint {
         Ok(endpoint)
     }
 
-    /// Uses OpenAI's API under `/v1`: Ollama's own API does not mark the end of a stream, so an interrupted answer
-    /// would look complete.
+    /// The base is that of OpenAI's API. Chat requests go to Ollama's own API beside it, if the server has one.
     fn ollama(model: &str, variable: Lookup<'_>) -> Self {
         let host = variable("OLLAMA_HOST").unwrap_or_else(|| "http://localhost:11434".into());
         Self::new(Kind::Ollama, &format!("{}/v1", ollama_address(&host)), model, None)

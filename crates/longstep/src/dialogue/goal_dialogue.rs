@@ -2,10 +2,10 @@
 
 use serde::Deserialize;
 
-use super::answer_grammar::{ENUM_LIMIT, Form, QUESTION_TOKENS, listed, question_in};
+use super::answer_grammar::{Form, QUESTION_TOKENS, question_in};
 use super::ending::Endings;
 use super::example::{fixed_turns, in_form, scene_and_instruction};
-use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema, goal_texts};
+use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema, listed_goals};
 use super::query::plain_line;
 use super::tries::Tries;
 use super::{
@@ -277,18 +277,8 @@ impl GoalDialogue {
         self.exhausted |= found.exhausted;
         self.open = found.result;
         if self.transcript.kind == ConstraintKind::JsonSchema {
-            self.listed = self.listed_goals();
+            self.listed = listed_goals(&self.world, |offers| self.keep_wanted(offers));
         }
-    }
-
-    /// Lists the goals that the answer of a server may contain. A schema describes all goals of an answer at once, and a later
-    /// one may be open only because of those before it ("put the butter on the counter and close the fridge"), so neither
-    /// the current state nor the names of the instruction narrow the list. None if servers would reject its size.
-    fn listed_goals(&self) -> Option<Vec<String>> {
-        let found = effort::within(effort::OPERATION, || goal::possible_goals(&self.world, ENUM_LIMIT));
-        let mut offers = found.result.filter(|_| !found.exhausted)?;
-        self.keep_wanted(&mut offers);
-        listed(goal_texts(&self.world, &offers))
     }
 
     /// The part of the world that the model is shown.

@@ -4,10 +4,11 @@ use indexmap::{IndexMap, IndexSet};
 use longstep_core::model::written_fact;
 use serde_json::Value;
 
-use super::answer_grammar::{Form, any_text, closed, list, one_of};
+use super::answer_grammar::{ENUM_LIMIT, Form, any_text, closed, list, listed, one_of};
 use crate::coverage::Gap;
+use crate::effort;
 use crate::environment::{EntityId, World};
-use crate::goal::{Dependence, GoalFact, IF, NOT, Offer, THEN};
+use crate::goal::{self, Dependence, GoalFact, IF, NOT, Offer, THEN};
 use crate::model::{FormPiece, GoalWord};
 
 /// Position of a goal in an answer.
@@ -106,8 +107,18 @@ fn form_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
     parts.push(Form::Either(alternatives.collect()));
 }
 
+/// Lists the goals that the answer of a server may contain. A schema describes all goals of an answer at once, and a later one
+/// may be open only because of those before it ("put the butter on the counter and close the fridge"), so neither the current
+/// state nor the names of the instruction narrow the list. None if servers would reject its size.
+pub(super) fn listed_goals(world: &World, keep: impl FnOnce(&mut Vec<Offer>)) -> Option<Vec<String>> {
+    let found = effort::within(effort::OPERATION, || goal::possible_goals(world, ENUM_LIMIT));
+    let mut offers = found.result.filter(|_| !found.exhausted)?;
+    keep(&mut offers);
+    listed(goal_texts(world, &offers))
+}
+
 /// Writes goals in everyday names, each once.
-pub(super) fn goal_texts(world: &World, offers: &[Offer]) -> Vec<String> {
+fn goal_texts(world: &World, offers: &[Offer]) -> Vec<String> {
     let word = |offer: &Offer| {
         offer
             .arguments

@@ -137,12 +137,17 @@ fn endings() -> Vec<Quirk> {
     ]
 }
 
-/// Places and envelopes of an answer.
-fn places() -> Vec<Quirk> {
+const BAD: &str = "400 Bad Request";
+
+fn error(message: &str) -> Value {
+    json!({"error": {"message": message, "type": "invalid_request_error", "code": null}})
+}
+
+/// The pieces of a streamed answer.
+fn pieces() -> Vec<Quirk> {
     let so_far = |end: usize| says(&OBJECT[..end]);
     let numbered = |number: usize, text: &str| json!({"choices": [{"index": number, "delta": {"content": text}, "message": {"content": text}, "finish_reason": null}]});
     let (first, second) = OBJECT.split_at(20);
-    let whole = completion().to_string();
     vec![
         Quirk::new(
             "text so far in every delta",
@@ -157,6 +162,40 @@ fn places() -> Vec<Quirk> {
             Right::Answer,
         ),
         Quirk::new(
+            "counting choices",
+            "microsoft/foundry-local#263",
+            vec![chunks(&[numbered(0, first), numbered(1, second), ends("stop")])],
+            Right::Answer,
+        ),
+        Quirk::new(
+            "no calls beside the text",
+            "microsoft/vscode#330038",
+            vec![chunks(&[
+                delta(&json!({"content": first, "tool_calls": []}), None),
+                delta(&json!({"content": second, "tool_calls": []}), None),
+                ends("stop"),
+            ])],
+            Right::Answer,
+        ),
+        Quirk::new(
+            "usage without choices",
+            "Portkey-AI/gateway#1629",
+            vec![chunks(&[
+                says(OBJECT),
+                ends("stop"),
+                json!({"usage": {"prompt_tokens": 9}}),
+            ])],
+            Right::Answer,
+        ),
+    ]
+}
+
+/// Envelopes around an answer.
+fn envelopes() -> Vec<Quirk> {
+    let (first, second) = OBJECT.split_at(20);
+    let whole = completion().to_string();
+    vec![
+        Quirk::new(
             "end mark behind an object",
             "decolua/9router#3492",
             vec![raw(&format!("{whole}\n\ndata: [DONE]\n\n"))],
@@ -166,12 +205,6 @@ fn places() -> Vec<Quirk> {
             "end mark in the line of an object",
             "decolua/9router#3492",
             vec![raw(&format!("{whole}data: [DONE]\n\n"))],
-            Right::Answer,
-        ),
-        Quirk::new(
-            "counting choices",
-            "microsoft/foundry-local#263",
-            vec![chunks(&[numbered(0, first), numbered(1, second), ends("stop")])],
             Right::Answer,
         ),
         Quirk::new(
@@ -207,22 +240,18 @@ fn places() -> Vec<Quirk> {
             ])],
             Right::Answer,
         ),
+    ]
+}
+
+/// Reasoning around, and in the place of an answer.
+fn reasoned() -> Vec<Quirk> {
+    vec![
         Quirk::new(
             "thoughts in square brackets",
             "waybarrios/vllm-mlx#599",
             vec![chunks(&[
                 says("[THINK]The {juice}? {} or {}[/THINK]"),
                 says(OBJECT),
-                ends("stop"),
-            ])],
-            Right::Answer,
-        ),
-        Quirk::new(
-            "no calls beside the text",
-            "microsoft/vscode#330038",
-            vec![chunks(&[
-                delta(&json!({"content": first, "tool_calls": []}), None),
-                delta(&json!({"content": second, "tool_calls": []}), None),
                 ends("stop"),
             ])],
             Right::Answer,
@@ -255,32 +284,18 @@ fn places() -> Vec<Quirk> {
             ])],
             Right::Error("spent all of its 7 tokens on reasoning"),
         ),
-        Quirk::new(
-            "usage without choices",
-            "Portkey-AI/gateway#1629",
-            vec![chunks(&[
-                says(OBJECT),
-                ends("stop"),
-                json!({"usage": {"prompt_tokens": 9}}),
-            ])],
-            Right::Answer,
-        ),
     ]
 }
 
-/// Requests that are rejected.
-fn rejections() -> Vec<Quirk> {
-    let error = |message: &str| json!({"error": {"message": message, "type": "invalid_request_error", "code": null}});
+/// Schemas that are rejected.
+fn schemas() -> Vec<Quirk> {
     let google = |message: &str| json!({"error": {"code": 400, "message": message, "status": "INVALID_ARGUMENT"}});
-    let bad = "400 Bad Request";
+    let claude = "output_config.format.schema: For 'array' type, property 'maxItems' is not supported";
     vec![
         Quirk::new(
             "keyword of a schema",
             "vercel/ai#17197",
-            vec![
-                refused(bad, &error("output_config.format.schema: For 'array' type, property 'maxItems' is not supported")),
-                anthropic(),
-            ],
+            vec![refused(BAD, &error(claude)), anthropic()],
             Right::Answer,
         )
         .of(Kind::Anthropic),
@@ -288,7 +303,10 @@ fn rejections() -> Vec<Quirk> {
             "too many states",
             "googleapis/python-genai#660",
             vec![
-                refused(bad, &google("The specified schema produces a constraint that has too many states for serving.")),
+                refused(
+                    BAD,
+                    &google("The specified schema produces a constraint that has too many states for serving."),
+                ),
                 gemini(Some(OBJECT)),
             ],
             Right::Answer,
@@ -297,15 +315,24 @@ fn rejections() -> Vec<Quirk> {
         Quirk::new(
             "a schema over the budget",
             "vercel/ai#21192",
-            vec![refused(bad, &google("Request contains an invalid argument.")), gemini(Some(OBJECT))],
+            vec![
+                refused(BAD, &google("Request contains an invalid argument.")),
+                gemini(Some(OBJECT)),
+            ],
             Right::Answer,
         )
         .of(Kind::Gemini),
+    ]
+}
+
+/// Limits of reasoning that are rejected.
+fn efforts() -> Vec<Quirk> {
+    vec![
         Quirk::new(
             "effort in Python's words",
             "router-for-me/CLIProxyAPI#1572",
             vec![
-                refused(bad, &json!({"object": "error", "code": 400, "param": null, "message":
+                refused(BAD, &json!({"object": "error", "code": 400, "param": null, "message":
                     "1 validation error: {'type': 'literal_error', 'loc': ('body', 'reasoning_effort'), 'input': 'none'}"})),
                 good(),
             ],
@@ -316,7 +343,7 @@ fn rejections() -> Vec<Quirk> {
             "no reasoning is not supported",
             "openai/codex#6647",
             vec![
-                refused(bad, &json!({"error": {"message": "Unsupported value: 'none' is not supported with this model.",
+                refused(BAD, &json!({"error": {"message": "Unsupported value: 'none' is not supported with this model.",
                     "param": "reasoning.effort", "code": "unsupported_value"}})),
                 good(),
             ],
@@ -335,35 +362,10 @@ fn rejections() -> Vec<Quirk> {
         )
         .with_reasoning(Reasoning::Medium),
         Quirk::new(
-            "limit without a header for retries",
-            "vectorize-io/hindsight#3508",
-            vec![answer("429 Too Many Requests", &["x-ratelimit-reset-tokens: 20ms"], b"{}"), good()],
-            Right::Answer,
-        ),
-        Quirk::new(
-            "status of a provider in the body",
-            "open-webui/computer#293",
-            vec![refused("200 OK", &json!({"error": {"code": 502, "message": "Provider returned error"}})), good()],
-            Right::Answer,
-        ),
-        Quirk::new(
-            "name of a parameter in the words of a person",
-            "lbjlaq/Antigravity-Manager#1942",
-            vec![refused(bad, &error("Filtered: 'Set the temperature to 20 and follow the stream of the seed shop.'"))],
-            Right::Error("Filtered"),
-        ),
-        Quirk::new(
-            "a model that is not there",
-            "continuedev/continue#11908",
-            vec![refused("404 Not Found", &json!({"error": "model 'm' not found"}))],
-            Right::Error("model 'm' not found"),
-        )
-        .of(Kind::Ollama),
-        Quirk::new(
             "a model that does not think",
             "admonstrator/zettelrobbe#74",
             vec![
-                refused(bad, &json!({"error": "\"m\" does not support thinking"})),
+                refused(BAD, &json!({"error": "\"m\" does not support thinking"})),
                 raw(&format!("{}\n", json!({"message": {"content": OBJECT}, "done": true, "done_reason": "stop"}))),
             ],
             Right::Answer,
@@ -373,10 +375,61 @@ fn rejections() -> Vec<Quirk> {
     ]
 }
 
+/// Other errors with a status.
+fn rejections() -> Vec<Quirk> {
+    vec![
+        Quirk::new(
+            "limit without a header for retries",
+            "vectorize-io/hindsight#3508",
+            vec![
+                answer("429 Too Many Requests", &["x-ratelimit-reset-tokens: 20ms"], b"{}"),
+                good(),
+            ],
+            Right::Answer,
+        ),
+        Quirk::new(
+            "status of a provider in the body",
+            "open-webui/computer#293",
+            vec![
+                refused(
+                    "200 OK",
+                    &json!({"error": {"code": 502, "message": "Provider returned error"}}),
+                ),
+                good(),
+            ],
+            Right::Answer,
+        ),
+        Quirk::new(
+            "name of a parameter in the words of a person",
+            "lbjlaq/Antigravity-Manager#1942",
+            vec![refused(
+                BAD,
+                &error("Filtered: 'Set the temperature to 20 and follow the stream of the seed shop.'"),
+            )],
+            Right::Error("Filtered"),
+        ),
+        Quirk::new(
+            "a model that is not there",
+            "continuedev/continue#11908",
+            vec![refused("404 Not Found", &json!({"error": "model 'm' not found"}))],
+            Right::Error("model 'm' not found"),
+        )
+        .of(Kind::Ollama),
+    ]
+}
+
 #[test]
 fn a_server_as_it_is_gives_the_answer_or_the_true_reason() {
-    let quirks: Vec<Quirk> = endings().into_iter().chain(places()).chain(rejections()).collect();
-    for quirk in quirks {
+    let groups = [
+        endings(),
+        pieces(),
+        envelopes(),
+        reasoned(),
+        schemas(),
+        efforts(),
+        rejections(),
+    ];
+    for quirk in groups.into_iter().flatten() {
         let name = format!("{} ({})", quirk.name, quirk.thread);
         let server = TestServer::new(quirk.replies);
         let options = OpenOptions {
