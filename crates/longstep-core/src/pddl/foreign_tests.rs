@@ -148,6 +148,11 @@ fn inexact_domains_are_read_with_a_note() {
             "is declared twice; it is read as one for the types of both",
         ),
         (
+            "(next ?a ?b - floor)",
+            "(next ?a ?a - floor)",
+            "the parameter `?a` is declared twice; this one is called `?a-2`",
+        ),
+        (
             " (next ?a ?b - floor))",
             ")",
             "the predicate `next` is not declared; it is read with 2 argument(s)",

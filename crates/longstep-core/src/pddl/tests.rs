@@ -73,8 +73,7 @@ fn mistakes_in_problems_are_told_with_their_place() {
     check_plan(
         "(:init (at cop low) (at cup)\n (bright)) (:goal (at cup hihg))",
         "p.pddl:2:12: unknown constant `cop`\n  hint: did you mean `cup`?\n\
-         p.pddl:2:21: `at` takes 2 argument(s), not 1\n\
-         p.pddl:3:3: unknown predicate `bright`\n\
+         p.pddl:2:21: `at` takes 2 argument(s), not 1\n  hint: it is declared as `(at ?x - thing ?p - place)`\n\
          p.pddl:3:27: unknown constant `hihg`\n  hint: did you mean `high`?",
     );
     check_plan(

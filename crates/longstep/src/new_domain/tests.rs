@@ -253,7 +253,7 @@ fn answers_that_make_no_domain_are_errors() {
 
 #[test]
 fn what_is_not_supported_is_named_with_its_line() {
-    let text = BLOCKS.replacen("(:predicates", "\n(:derived (handempty) (and))\n(:predicates", 1);
+    let text = BLOCKS.replacen("(:predicates", "\n(:process heat)\n(:predicates", 1);
     let found = from_any_pddl(
         "mine",
         SourceText {
@@ -264,7 +264,33 @@ fn what_is_not_supported_is_named_with_its_line() {
     );
     let found = found.map(|new| new.domain.name.clone()).unwrap_err().to_string();
     assert!(found.starts_with("d.pddl:3:1:"), "{found}");
-    assert!(found.contains("`:derived` is not supported"), "{found}");
+    assert!(found.contains("`:process` is not supported"), "{found}");
+}
+
+/// A derived predicate becomes a goal, and the objects of the problem that the actions name are constants. The goal is not needed.
+#[test]
+fn a_domain_is_read_together_with_its_problem() {
+    let domain = "(define (domain porter) (:types room crate - object)
+      (:predicates (at ?c - crate ?r - room) (door ?r - room))
+      (:derived (safe ?c - crate) (exists (?r - room) (and (at ?c ?r) (not (door ?r)))))
+      (:action fetch :parameters (?c - crate ?r - room) :precondition (and (at ?c ?r) (not (= ?r depot)))
+        :effect (and (not (at ?c ?r)) (at ?c depot)))
+      (:action bring :parameters (?c - crate ?r - (either room)) :precondition (at ?c depot)
+        :effect (and (not (at ?c depot)) (at ?c ?r))))";
+    let problem = "(define (problem p) (:domain porter) (:objects depot hall - room red - crate)
+      (:init (at red hall) (door hall)))";
+    let new = made(domain, Some(problem));
+    assert_eq!(goals(&new), ["at(C, R)", "safe(C)"]);
+    let pddl = text(&new, "domain.pddl");
+    assert!(
+        pddl.contains("(:constants depot - room)") && pddl.contains("(:derived (safe ?c - crate)"),
+        "{pddl}"
+    );
+    assert!(text(&new, "prompt/examples.toml").contains("answer = \"safe("));
+    assert!(
+        !text(&new, "domain.toml").contains("fact = \"(safe"),
+        "no environment states it"
+    );
 }
 
 /// Files as others write them become folders that load, with a note where something was rewritten.

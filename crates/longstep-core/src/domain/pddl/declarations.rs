@@ -29,8 +29,10 @@ const NUMERIC: [&str; 13] = [
 
 /// Completes the declarations of a domain's sections, with a note for each.
 pub(super) fn adapt(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<Diagnostic>) {
+    repeated_parameters(file, sections, notes);
     declare_types(file, sections, notes);
     repeated_constants(file, sections, notes);
+    declare_derived(file, sections, notes);
     repeated_predicates(file, sections, notes);
     repeated_actions(file, sections, notes);
     declare_predicates(file, sections, notes);
@@ -108,6 +110,39 @@ fn types_of<'e>(expression: &'e Expression, used: &mut IndexMap<&'e str, Positio
     items.iter().for_each(|item| types_of(item, used));
 }
 
+/// Numbers the parameters of a predicate or a function that share a name: nothing refers to them by it.
+fn repeated_parameters(file: &str, sections: &mut [Expression], notes: &mut Vec<Diagnostic>) {
+    for section in sections.iter_mut() {
+        if section.tail_of(":predicates").is_none() && section.tail_of(":functions").is_none() {
+            continue;
+        }
+        let ExpressionKind::List(declarations) = &mut section.kind else {
+            continue;
+        };
+        for declaration in declarations {
+            let ExpressionKind::List(items) = &mut declaration.kind else {
+                continue;
+            };
+            let mut taken: FxHashSet<String> = FxHashSet::default();
+            for (index, item) in items.iter_mut().enumerate() {
+                let Some(name) = item.word().filter(|name| name.starts_with('?')) else {
+                    continue;
+                };
+                if taken.insert(name.to_owned()) {
+                    continue;
+                }
+                let mut other = format!("{name}-{index}");
+                while !taken.insert(other.clone()) {
+                    other.push_str("-b");
+                }
+                let message = format!("the parameter `{name}` is declared twice; this one is called `{other}`");
+                notes.push(Diagnostic::at(file, item.position, message));
+                *item = Expression::of_word(&other, item.position);
+            }
+        }
+    }
+}
+
 /// Leaves out a constant that is declared again with the same type.
 fn repeated_constants(file: &str, sections: &mut [Expression], notes: &mut Vec<Diagnostic>) {
     let mut known: IndexMap<String, Expression> = IndexMap::new();
@@ -172,6 +207,41 @@ fn groups(items: &[Expression]) -> Vec<(&[Expression], Option<&Expression>)> {
         groups.push((&items[begin..], None));
     }
     groups
+}
+
+/// Declares derived predicates that only their rules name, for the types of all rules.
+fn declare_derived(file: &str, sections: &mut Vec<Expression>, notes: &mut Vec<Diagnostic>) {
+    let declared = sections
+        .iter()
+        .filter_map(|section| section.tail_of(":predicates"))
+        .flatten();
+    let head = |atom: &Expression| atom.list()?.first()?.word().map(str::to_owned);
+    let declared: FxHashSet<String> = declared.filter_map(head).collect();
+    let mut heads: IndexMap<String, Expression> = IndexMap::new();
+    for atom in sections
+        .iter()
+        .filter_map(|section| section.tail_of(":derived")?.first())
+    {
+        let Some(name) = head(atom).filter(|name| !declared.contains(name)) else {
+            continue;
+        };
+        let parameters = typed_parameters(&atom.list().unwrap_or_default()[1..]);
+        match heads.get_mut(&name) {
+            Some(known) if known.list().map(|own| typed_parameters(&own[1..]).len()) == Some(parameters.len()) => {
+                widen(known, &parameters);
+            }
+            // Another number of arguments is an error where the rule is read.
+            Some(_) => {}
+            None => {
+                let message = format!("the derived predicate `{name}` is not declared; its rules declare it");
+                notes.push(Diagnostic::at(file, atom.position, message));
+                heads.insert(name, atom.clone());
+            }
+        }
+    }
+    if let Some(position) = heads.values().next().map(|atom| atom.position) {
+        extend(sections, ":predicates", heads.into_values().collect(), position);
+    }
 }
 
 /// Reads the declarations of one predicate as one that admits the types of all of them.

@@ -67,11 +67,12 @@ fn either_is_the_parent_of_its_types() {
     };
     check(&text("(either plane person)"), &[]);
     check(&text("(either person)"), &[]);
+    check(&text("(either person van)"), &[]);
     check(
-        &text("(either person van)"),
+        &text("person").replace("(:predicates", "(:constants x - (either person van)) (:predicates"),
         &[
-            "domain.pddl:2:30: `(either ...)` is supported here only for all the types of a parent; `object` would \
-               also admit `plane`\n  hint: declare a type with these types as its children, and use it here",
+            "domain.pddl:1:79: an object has one type, and `(either ...)` names some of a parent's; `object` would also \
+             admit `plane`\n  hint: write the one type that the object has",
         ],
     );
     check(
@@ -83,10 +84,11 @@ fn either_is_the_parent_of_its_types() {
 #[test]
 fn what_is_not_understood_is_refused() {
     check(
-        "(define (domain d) (:requirements :durative-actions) (:derived (cost)))",
+        "(define (domain d) (:requirements :durative-actions) (:axiom (cost)))",
         &[
-            "domain.pddl:1:54: `:derived` is not supported here; known sections are :requirements, :types, :constants, :predicates, :functions, :action",
-            "domain.pddl:1:35: the requirement `:durative-actions` is not supported",
+            "domain.pddl:1:54: `:axiom` is not supported here; known sections are :requirements, :types, :constants, \
+             :predicates, :functions, :derived, :action\n  hint: write it as `(:derived (predicate ?x - type) CONDITION)`",
+            "domain.pddl:1:35: the requirement `:durative-actions` is not supported\n  hint: remove it, and what it is for",
         ],
     );
 }
@@ -97,9 +99,9 @@ fn wrong_counts_and_types_are_told() {
         "(define (domain d) (:types cup lid) (:predicates (full ?c - cup))
 (:action a :parameters (?c - cup ?l - lid) :precondition (and (full ?c ?c) (full ?l)) :effect (not)))",
         &[
-            "domain.pddl:2:63: `full` takes 1 argument(s), not 2",
-            "domain.pddl:2:82: `full` takes a cup here, and this is a lid",
-            "domain.pddl:2:95: `not` has the wrong number of parts",
+            "domain.pddl:2:63: `full` takes 1 argument(s), not 2\n  hint: it is declared as `(full ?c - cup)`",
+            "domain.pddl:2:82: `full` takes a cup here, and this is a lid\n  hint: use a cup, or declare a wider type for the argument of `full`",
+            "domain.pddl:2:95: `not` has the wrong number of parts\n  hint: write `(not (predicate argument ...))`",
         ],
     );
 }
