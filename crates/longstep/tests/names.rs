@@ -89,6 +89,46 @@ fn a_goal_with_a_shared_name_is_an_error_that_describes_each_candidate() {
     );
 }
 
+#[test]
+fn an_identifier_without_brackets_names_its_entity() {
+    check_goals(
+        BUSY,
+        &[
+            ("bring(pallet_3, bay_2)", "bring(<pallet_3>, <bay_2>)"),
+            ("discard(TUBE_a)", "discard(<tube_A>)"),
+            (
+                "bring(pallet_5, dock)",
+                "`pallet_5` in `bring(pallet_5, dock)` is nothing in the environment; did you mean `pallet 2`?",
+            ),
+        ],
+    );
+    // Numbers of a graph are no labels; the words of an identifier may be the name of another entity.
+    let graph = r#"{"assets": ["<bay_31>", "<dock_32>"], "objects": ["<pallet_2>", "<pallet_1>", "<crate_40>", "<tube_41>"],
+        "names": {"<crate_40>": "tube_41"}}"#;
+    check_goals(
+        graph,
+        &[
+            ("bring(pallet_1, dock)", "bring(<pallet_1>, <dock_32>)"),
+            ("bring(pallet 1, dock)", "bring(<pallet_2>, <dock_32>)"),
+            (
+                "bring(tube_41, dock)",
+                "`tube_41` in `bring(tube_41, dock)` is the name of several entities: tube_41, tube; write one of these names",
+            ),
+        ],
+    );
+    check_instructions(
+        BUSY,
+        &[
+            (
+                "Bring pallet_3 to bay_2",
+                "bring(pallet 3, bay 2)",
+                "bring(pallet 3, bay 2)",
+            ),
+            ("Discard TUBE_A.", "discard(tube A)", "discard(tube A)"),
+        ],
+    );
+}
+
 #[track_caller]
 fn check_instructions(environment: &str, rows: &[(&str, &str, &str)]) {
     let world = world(environment);

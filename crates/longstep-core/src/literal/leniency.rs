@@ -22,6 +22,8 @@ pub struct Leniency {
 pub enum LeniencyKind {
     /// A notation other than the paper's JSON and scripts.
     Notation(&'static str),
+    /// Quotes around the whole reply.
+    Quoted,
     /// Thoughts before the answer, which were not read.
     Thoughts,
     /// A byte order mark, or whitespace that JSON does not allow.
@@ -83,6 +85,7 @@ impl Leniency {
         let key = self.path.as_ref().map(ToString::to_string).unwrap_or_default();
         let what = match self.kind {
             Kind::Notation(name) => format!("the plan was read as {name}"),
+            Kind::Quoted => "the reply stands in quotes".to_owned(),
             Kind::Thoughts => "the thoughts before the answer were ignored".to_owned(),
             Kind::OddSpace => "a byte order mark or unusual space was skipped".to_owned(),
             Kind::CodeFence => "the plan stands in a code block".to_owned(),

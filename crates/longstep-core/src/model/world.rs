@@ -297,7 +297,6 @@ impl World {
             let known = value.ok().and_then(|value| self.find(&value.written));
             return known.into_iter().collect();
         }
-        let folded = name.to_lowercase();
         let with = |fits: &dyn Fn(&Entity) -> bool| -> Vec<EntityId> {
             let all = self.entities().filter(|(_, entity)| fits(entity));
             all.map(|(id, _)| id).collect()
@@ -336,6 +335,35 @@ impl World {
         found.sort_unstable_by_key(|(place, id)| (place.start, *id));
         found.dedup();
         found
+    }
+
+    /// Returns a text with the everyday names of entities in place of their identifiers, with or without brackets. Identifiers that may
+    /// mean several entities stay.
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let text = r#"{"objects": ["<plate_274>", "<plate_278>", "<can_1>", "<pan_2>", "<lid_3>"]}"#;
+    /// let world = environment::parse(&household, "env.json", text).unwrap();
+    /// assert_eq!(world.with_everyday_names("Wash plate_278 and <can_1>"), "Wash plate 2 and can");
+    /// ```
+    pub fn with_everyday_names(&self, text: &str) -> String {
+        let identified = self.identifiers_in(text);
+        let (mut written, mut at) = (String::new(), 0);
+        for (place, id) in &identified {
+            let is_shared = identified.iter().any(|(other, with)| other == place && with != id);
+            if is_shared {
+                continue;
+            }
+            let before = &text[at..place.start];
+            let behind = &text[place.end..];
+            let brackets = before.strip_suffix('<').zip(behind.strip_prefix('>'));
+            written.push_str(brackets.map_or(before, |(before, _)| before));
+            written.push_str(&self.entity(*id).name);
+            at = place.end + usize::from(brackets.is_some());
+        }
+        written.push_str(&text[at..]);
+        written
     }
 
     /// Returns the entity with this identifier or this value in any of its units.

@@ -146,10 +146,12 @@ impl GoalDialogue {
             scene(world, &offers(world, &[], &Mentions::default()))
         });
         let scene = shown.result;
-        transcript.push(Role::User, scene_and_instruction(&scene, &plain_line(instruction)));
+        // The scene has everyday names alone.
+        let said = plain_line(&world.with_everyday_names(instruction));
+        transcript.push(Role::User, scene_and_instruction(&scene, &said));
         for round in rounds {
             transcript.push(Role::Assistant, in_form(&round.reply, kind));
-            transcript.push(Role::User, plain_line(&round.message));
+            transcript.push(Role::User, plain_line(&world.with_everyday_names(&round.message)));
         }
         Self {
             world: world.clone(),

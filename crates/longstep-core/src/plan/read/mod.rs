@@ -22,6 +22,7 @@ use std::ops::Range;
 
 use super::{Node, PlanFile, StepId, TaskCohesion, Written, WrittenStep};
 use crate::diagnostic::Position;
+use crate::json::Path;
 use crate::literal::{FENCE, Notes, PLAN_KEYS};
 use unreadable::LARGEST;
 
@@ -140,6 +141,24 @@ fn find(text: &str, depth: usize) -> Result<Found, Unreadable> {
             limit: LARGEST,
         });
     }
+    if let Some(inner) = quoted(text).filter(|_| depth + 1 < INNERMOST) {
+        let found = find(&inner, depth + 1).map_err(|error| Unreadable::Inside {
+            position: Position::of(text, text.len() - text.trim_start().len()),
+            path: Path::default(),
+            error: Box::new(error),
+        })?;
+        let mut notes = Notes::default();
+        notes.add(LeniencyKind::Quoted, 0);
+        found
+            .notes
+            .notations()
+            .for_each(|name| notes.add(LeniencyKind::Notation(name), 0));
+        return Ok(Found {
+            start: 0,
+            notes,
+            ..found
+        });
+    }
     let (answer, thoughts) = thoughts::blanked(text);
     if thoughts.is_some() && answer.trim().is_empty() {
         return Err(Unreadable::OnlyThoughts);
@@ -149,6 +168,12 @@ fn find(text: &str, depth: usize) -> Result<Found, Unreadable> {
         found.notes.add(LeniencyKind::Thoughts, at);
     }
     Ok(found)
+}
+
+/// Returns the content of a reply that is one text in JSON's quotes.
+fn quoted(text: &str) -> Option<String> {
+    let text = text.trim();
+    text.starts_with('"').then(|| serde_json::from_str(text).ok()).flatten()
 }
 
 fn find_in_answer(text: &str, depth: usize) -> Result<Found, Unreadable> {

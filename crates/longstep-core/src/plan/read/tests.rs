@@ -499,6 +499,7 @@ fn each_notation_has_its_reader() {
             "YAML",
             &[
                 "```yaml\nplan:\n  - call: Walk(<desk>)\n    why: far\n  - call: Put(<pen>, <desk>)\n```",
+                "---\nsteps:\n- call: Walk(<desk>)\n- call: Put(<pen>, <desk>)\n---\n",
                 "steps:\n- Walk: <desk>\n- Put: [<pen>, <desk>]\n",
                 "task_cohesion:\n  task_sequence:\n  - Walk(<desk>)\n  - Put(<pen>, <desk>)\n  step_instructions: []\nquestion: \"\"",
             ],
@@ -563,6 +564,23 @@ fn virtualhome_entities_have_the_numbers_of_their_nodes() {
     check(
         "[WALK] <pot> (3)\n[GRAB] <pot> (x)",
         "line 2, column 1: this is no step, unlike what is listed beside it: \"[GRAB] <pot> (x)\"",
+    );
+}
+
+#[test]
+fn texts_inside_of_values_are_read() {
+    check(&format!("{PLAN:?}"), "a(); b(); A; B [Quoted]");
+    check(
+        &format!("{:?}", "1. a()\n2. b()"),
+        "a(); b() [Quoted Notation(\"a numbered list\")]",
+    );
+    check(
+        r#"{"message": {"content": "1. a()\n2. b()"}}"#,
+        "a(); b() [Wrapped(message.content) Notation(\"a numbered list\")]",
+    );
+    check(
+        r#"{"message": {"content": "{\"task_sequence\": [\"a()"}}"#,
+        "line 1, column 25: in `message.content`, line 1, column 26: the reply breaks off; the object that begins at line 1, column 1 does not end",
     );
 }
 

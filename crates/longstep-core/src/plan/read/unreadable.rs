@@ -86,7 +86,7 @@ pub enum Unreadable {
         text: String,
     },
     /// A text inside of the reply has a plan that cannot be read.
-    #[error("{}: in `{path}`, {error}", at(.position))]
+    #[error("{}: in {}, {error}", at(.position), text_at(.path))]
     Inside {
         /// Position of the text.
         position: Position,
@@ -171,6 +171,13 @@ impl Unreadable {
             Self::Script { error, .. } => &error.hint,
             Self::Contradiction { .. } => "ask again, and say that every key may stand there once",
         }
+    }
+}
+
+fn text_at(path: &Path) -> String {
+    match path.to_string().as_str() {
+        "" => "the text in quotes".to_owned(),
+        path => format!("`{path}`"),
     }
 }
 

@@ -139,6 +139,8 @@ fn value(text: &str, part: Range<usize>) -> Result<Option<ValueNode>, Unreadable
                 ) => *key = Some((at, text)),
                 (None, _) => return Err(malformed(at, "a key is a text")),
             },
+            // What follows the end of a document may be empty.
+            None if done.is_some() && node.value == Value::Null => {}
             None if done.is_some() => return Err(malformed(at, "a second document begins here")),
             None => done = Some(node),
         }
