@@ -284,9 +284,11 @@ impl World {
         }
         // An identifier without brackets may be the name of another entity; then both are meant.
         let shown = self.find_name(name);
-        let bare = is_bare_identifier(name)
-            .then(|| self.find(&format!("<{name}>")))
-            .flatten();
+        let folded = name.to_lowercase();
+        let is_named =
+            |entity: &Entity| !entity.is_value && without_brackets(&entity.identifier).to_lowercase() == folded;
+        let identified = self.entities().filter(|(_, entity)| is_named(entity));
+        let bare = identified.filter(|_| is_bare_identifier(name)).map(|(id, _)| id);
         let mut exact: Vec<EntityId> = shown.into_iter().chain(bare).collect();
         exact.sort_unstable();
         exact.dedup();

@@ -89,21 +89,20 @@ impl Line {
     }
 }
 
-/// True for what planners print before each plan that they find.
+/// Returns true for what planners print before each plan that they find, and before they print one again.
 fn begins_a_plan(line: &str) -> bool {
     let line = line.to_ascii_lowercase();
-    let is_remark = |word: &str| line.trim_start_matches([';', ' ', '\t']).starts_with(word);
     [
         "plan found",
         "solution found",
         "found a plan",
         "found legal plan",
+        "makespan",
         "rescheduled plan",
         "solution number",
     ]
     .iter()
     .any(|words| line.contains(words))
-        || (line.starts_with(';') && is_remark("makespan"))
 }
 
 enum Found {
@@ -293,6 +292,10 @@ mod tests {
             (
                 "; Plan found with metric 9\n0: (rest) [1]\n; Plan found with metric 5\n0: (move a b) [1]",
                 "move a b",
+            ),
+            (
+                "Rescheduled Plan:\n0.1: (rest) [1]\nSolution with original makespan 2 found.\nRescheduled Makespan   : 1\n0.1: (rest) [1]",
+                "rest",
             ),
             ("The robot should move carefully.\nIt can rest.\nmove it", ""),
             ("", ""),
