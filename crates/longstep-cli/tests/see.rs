@@ -200,7 +200,7 @@ fn replies_that_cannot_be_used_are_errors() {
             "the model's answer cannot be read",
         ),
     ] {
-        let (ran, _) = see(home.path(), vec![reply], &["--yes"], "");
+        let (ran, _) = see(home.path(), vec![reply.clone(), reply], &["--yes"], "");
         assert_eq!(ran.code, code, "{}", ran.stderr);
         assert!(ran.stderr.contains(part), "{}", ran.stderr);
     }

@@ -50,7 +50,8 @@ impl Vendor {
     }
 
     fn see(&self, home: &Path, answer: Answer, arguments: &[&str]) -> (Ran, Server) {
-        let server = Server::giving(vec![answer]);
+        // A reply that cannot be read is asked for once more.
+        let server = Server::giving(vec![answer.clone(), answer]);
         let ran = run(self.command(home, &server).args(arguments), "");
         (ran, server)
     }

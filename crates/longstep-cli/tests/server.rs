@@ -89,9 +89,10 @@ fn a_server_that_answers_nonsense_is_told_of() {
         ),
     ];
     for (content, warning) in wrong {
-        let server = Server::giving(vec![says(content)]);
+        let server = Server::giving(vec![says(content), says(content)]);
         let output = plan(&server, "Put the cereal on the counter");
         let (stdout, stderr) = without_key(&output);
+        assert_eq!(server.bodies().len(), 2);
         let error: Value = serde_json::from_str(&stdout).unwrap();
         assert_eq!(
             (output.status.code(), error["error"]["code"].as_i64()),
@@ -101,6 +102,31 @@ fn a_server_that_answers_nonsense_is_told_of() {
         let told = stderr.strip_prefix(warning).unwrap_or_default();
         assert!(told.starts_with("error: ") && told.contains("hint: "), "{stderr}");
     }
+}
+
+#[test]
+fn a_server_is_told_what_is_wrong_with_its_answer() {
+    let right = r#"{"question": "", "goals": ["put(cereal, counter)"], "never": [], "not_represented": []}"#;
+    let wrong = r#"{"question": "", "goals": ["put(unicorn, counter)"], "never": [], "not_represented": []}"#;
+    let server = Server::giving(vec![says(wrong), says(right)]);
+    let output = plan(&server, "Put the cereal on the counter");
+    let (stdout, stderr) = without_key(&output);
+    assert!(
+        output.status.success() && stdout.contains("the cereal is at the counter"),
+        "{stderr}"
+    );
+    let asked = server.bodies()[1]["messages"].as_array().unwrap().clone();
+    let [.., own, complaint] = &asked[..] else {
+        panic!("{asked:?}")
+    };
+    assert_eq!(
+        (own["role"].as_str(), own["content"].as_str()),
+        (Some("assistant"), Some(wrong))
+    );
+    assert!(
+        complaint["content"].as_str().unwrap().contains("`unicorn`"),
+        "{complaint}"
+    );
 }
 
 #[test]
