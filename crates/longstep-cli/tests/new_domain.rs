@@ -78,6 +78,84 @@ fn questions_make_a_domain_and_keep_the_answers() {
     }
 }
 
+/// Answers of a person who makes mistakes: a robot without its article, a state in other words, a plural, a step back.
+const MISTAKES: &str = "porter\nbox, crate\nshelf\ndrive to a shelf\n\nporter is at the shelf\n\npick up boxes\n\
+                        pick up a box\nthe porter is at the shelf; the box is on the shelf; the porter holds no box\n\
+                        the porter holds the box\n\nput a box on a shelf\nthe porter is at the shelf\nback\n\
+                        the porter is at the shelf; the porter is holding the box\nyes\nthe box is on the shelf\n\n\nyes\n\
+                        red box, blue box\nleft shelf, right shelf\n\nyes\n";
+
+#[test]
+fn mistakes_in_the_answers_are_mended_before_anything_is_written() {
+    let home = home();
+    let ran = domain(home.path(), &["new", "mine", "--ask"], MISTAKES);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    for said in [
+        "\"boxes\" is more than one box",
+        "Is \"the porter is holding the box\" the same as \"the porter holds the box\"?",
+        "No action is about: crate.",
+        "at the start: the porter is at the left shelf; the red box is on the left shelf; the blue box is on the right shelf",
+    ] {
+        assert!(ran.stderr.contains(said), "{said}\n{}", ran.stderr);
+    }
+    let check = ["check", "mine", "--env", "mine/environment.json", "--strict"];
+    let ran = domain(home.path(), &check, "");
+    assert_eq!(
+        (ran.code, ran.stdout.contains("no warnings")),
+        (0, true),
+        "{}",
+        ran.stdout
+    );
+    let solve = [
+        "solve",
+        "--goal",
+        "on(red box, right shelf)",
+        "--domain",
+        "mine",
+        "--env",
+        "mine/environment.json",
+    ];
+    let ran = run(longstep(home.path()).current_dir(home.path()).args(solve), "");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+}
+
+#[test]
+fn a_mistake_at_the_end_of_the_input_is_an_error() {
+    let home = home();
+    let ran = domain(home.path(), &["new", "mine", "--ask"], "porter\nbox\nshelf\nsing\n");
+    assert_eq!(ran.code, 30, "{}", ran.stderr);
+    assert!(ran.stderr.contains("the input ends after a mistake"), "{}", ran.stderr);
+    assert!(!home.path().join("mine").exists());
+}
+
+/// In a terminal, which `script` makes: the answers are kept, private, and offered at the next start.
+#[cfg(target_os = "linux")]
+#[test]
+fn answers_are_kept_when_a_terminal_goes_away() {
+    use std::os::unix::fs::PermissionsExt;
+    let home = home();
+    let typed = |lines: &str| {
+        let program = env!("CARGO_BIN_EXE_longstep");
+        let line = format!("exec {program} domain new mine");
+        let mut script = std::process::Command::new("script");
+        script.args(["--quiet", "--return", "--command", &line, "/dev/null"]);
+        script
+            .current_dir(home.path())
+            .env("LONGSTEP_SESSIONS", home.path().join("state/sessions"));
+        run(&mut script, lines)
+    };
+    let lines: Vec<&str> = MISTAKES.lines().collect();
+    let (first, second) = lines.split_at(9);
+    let ran = typed(&(first.join("\n") + "\n"));
+    assert!(ran.stdout.contains("the answers are kept"), "{}", ran.stdout);
+    let kept = home.path().join("state/new-domain.json");
+    assert_eq!(std::fs::metadata(&kept).unwrap().permissions().mode() & 0o777, 0o600);
+    let ran = typed(&format!("yes\n{}\n", second.join("\n")));
+    assert!(ran.stdout.contains("answers for `mine` are kept"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("Created the domain mine"), "{}", ran.stdout);
+    assert!(!kept.exists());
+}
+
 #[test]
 fn a_trial_says_what_was_understood_and_whether_it_is_right() {
     let home = home();

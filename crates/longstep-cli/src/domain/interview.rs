@@ -4,8 +4,8 @@
 //! answer. So an answer can be taken back, and kept answers can be used again, without a state of its own.
 
 use longstep::domain::{
-    ActionAnswer, AnswerMistake, Answers, KindAnswer, action_mistake, guess_removed, guess_start, same_state,
-    sentence_mistake, start_mistake,
+    ActionAnswer, AnswerMistake, Answers, KindAnswer, action_mistake, guess_removed, guess_start, missed_removals,
+    same_state, sentence_mistake, start_mistake, unused_kinds,
 };
 
 /// Actions that are asked for; more can be added to answers.toml.
@@ -89,7 +89,7 @@ pub(super) fn interview(name: &str, given: &[String]) -> Result<Answers, Box<Que
     };
     answers.robot = Some(given.take(introduced)?.to_owned());
     kinds(&mut answers, given)?;
-    while answers.action.len() < ACTIONS && action(&mut answers, given)? {}
+    while answers.action.len() < ACTIONS && (action(&mut answers, given)? || wants_more(&mut answers, given)?) {}
     first_world(&mut answers, given)?;
     confirm(&answers, given)?;
     Ok(answers)
@@ -97,7 +97,7 @@ pub(super) fn interview(name: &str, given: &[String]) -> Result<Answers, Box<Que
 
 fn kinds(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<Question>> {
     let things = question(
-        "Which kinds of things does it move or carry? (one of each, with commas: box, letter)",
+        "Which kinds of things does it move or carry? (one kind for all that are handled alike; with commas: box, letter)",
         "box",
     );
     let things = split(given.take(things)?, ',');
@@ -129,18 +129,15 @@ fn kinds(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<Questio
 /// Reads the answers about one action; returns false after the last one.
 fn action(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<Question>> {
     let number = answers.action.len() + 1;
-    let (robot, thing, place) = (
-        name_of_robot(answers),
-        example_of(answers, false),
-        example_of(answers, true),
-    );
+    let examples = Examples::of(answers);
     let mut first = question(format!("Action {number} (empty: no more)"), "");
     if number == 1 {
-        first.text = format!("Action 1, with its kinds (\"pick up a {thing}\", \"put a {thing} on a {place}\")");
+        first.text = format!("Action 1, with its kinds ({})", examples.actions);
         first.introduction = vec![
             "Now the actions, one after another. The same state is always written in the same words.".to_owned(),
             format!(
-                "Separate sentences by \";\". \"no {thing}\" and \"any {thing}\" mean all of them, \"not\" the opposite, \"-\" nothing."
+                "Separate sentences by \";\". \"no {0}\" and \"any {0}\" mean all of them, \"not\" the opposite, \"-\" nothing.",
+                examples.kind
             ),
         ];
     }
@@ -157,11 +154,9 @@ fn action(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<Ques
         words: words.to_owned(),
         ..ActionAnswer::default()
     };
-    let needs =
-        format!("Before \"{words}\", what has to hold? (the {robot} holds the {thing}; the {thing} is on a {place})");
-    let needs = states(answers, &action, given, question(needs, "-"), true)?;
-    action.needs = needs;
-    let then = question(format!("After it, what holds? (the {thing} is on the {place})"), "");
+    let needs = format!("Before \"{words}\", what has to hold? ({})", examples.before);
+    action.needs = states(answers, &action, given, question(needs, "-"), true)?;
+    let then = question(format!("After it, what holds? ({})", examples.after), "");
     action.then = states(answers, &action, given, then, false)?;
     let guess = guess_removed(answers, &action).join("; ");
     let default = if guess.is_empty() { "-" } else { &guess };
@@ -174,7 +169,43 @@ fn action(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<Ques
     )?;
     action.no_longer = Some(removed);
     answers.action.push(action);
+    for missed in missed_removals(answers) {
+        let words = &answers.action[missed.action].words;
+        let text = format!(
+            "After \"{words}\", does \"{}\" hold no longer? (yes or no)",
+            missed.state
+        );
+        if yes_or_no(given, question(text, "yes"))? {
+            let removed = answers.action[missed.action].no_longer.get_or_insert_default();
+            removed.push(missed.state);
+        }
+    }
     Ok(true)
+}
+
+/// Asks whether kinds without an action are left out; returns true for more actions.
+fn wants_more(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<Question>> {
+    let unused = unused_kinds(answers);
+    if unused.is_empty() {
+        return Ok(false);
+    }
+    let text = format!(
+        "No action is about: {}. Leave that out? (yes, or no for more actions)",
+        unused.join(", ")
+    );
+    if yes_or_no(given, question(text, "yes"))? {
+        answers.kind.retain(|kind| !unused.contains(&kind.name));
+        return Ok(false);
+    }
+    Ok(true)
+}
+
+fn yes_or_no(given: &mut Given<'_>, question: Question) -> Result<bool, Box<Question>> {
+    let answer = given.take_right(question, |answer| match is_yes(answer) {
+        Some(_) => None,
+        None => mistake("this is neither yes nor no", "answer yes or no"),
+    })?;
+    Ok(is_yes(answer) == Some(true))
 }
 
 /// Reads sentences about states, and asks about other words for a known state.
@@ -200,12 +231,8 @@ fn states(
     for sentence in split(text, ';') {
         let mut own = sentence;
         if let Some(known) = same_state(answers, &action, &own) {
-            let same = self::question(format!("Is \"{own}\" the same as \"{known}\"? (yes or no)"), "yes");
-            let answer = given.take_right(same, |answer| match is_yes(answer) {
-                Some(_) => None,
-                None => mistake("this is neither yes nor no", "answer yes or no"),
-            })?;
-            if is_yes(answer) == Some(true) {
+            let text = format!("Is \"{own}\" the same as \"{known}\"? (yes or no)");
+            if yes_or_no(given, self::question(text, "yes"))? {
                 own = known;
             }
         }
@@ -327,14 +354,42 @@ fn name_of_robot(answers: &Answers) -> String {
     name.strip_prefix("the ").unwrap_or(name).to_owned()
 }
 
-/// Returns the first kind that stays, or that moves, for an example.
-fn example_of(answers: &Answers, stays: bool) -> String {
-    let own = answers
-        .kind
-        .iter()
-        .find(|kind| kind.stays == stays)
-        .or(answers.kind.first());
-    own.map_or_else(|| "box".to_owned(), |kind| kind.name.clone())
+/// Examples in the questions, with the author's own words.
+struct Examples {
+    kind: String,
+    actions: String,
+    before: String,
+    after: String,
+}
+
+impl Examples {
+    fn of(answers: &Answers) -> Self {
+        let robot = name_of_robot(answers);
+        let first = |stays: bool| {
+            answers
+                .kind
+                .iter()
+                .find(|kind| kind.stays == stays)
+                .map(|kind| kind.name.as_str())
+        };
+        match (first(false), first(true)) {
+            (Some(thing), Some(place)) => Self {
+                kind: thing.to_owned(),
+                actions: format!("\"pick up a {thing}\", \"put a {thing} on a {place}\""),
+                before: format!("the {robot} holds the {thing}; the {thing} is on a {place}"),
+                after: format!("the {thing} is on the {place}"),
+            },
+            (thing, place) => {
+                let kind = thing.or(place).unwrap_or("box");
+                Self {
+                    kind: kind.to_owned(),
+                    actions: format!("\"go to a {kind}\", \"clean a {kind}\""),
+                    before: format!("the {robot} is at the {kind}; the {kind} is dirty"),
+                    after: format!("the {kind} is clean"),
+                }
+            }
+        }
+    }
 }
 
 fn split(text: &str, separator: char) -> Vec<String> {

@@ -83,7 +83,12 @@ fn kept(name: &str) -> Result<Vec<String>> {
             KeptAnswers::remove();
             Ok(Vec::new())
         }
-        _ => Ok(kept.answers),
+        _ => {
+            if let Some(last) = kept.answers.last() {
+                remark!("Your last answer was: {last}");
+            }
+            Ok(kept.answers)
+        }
     }
 }
 

@@ -276,14 +276,70 @@ impl<'a> AnswerReader<'a> {
     }
 }
 
+/// A state that an action ends without saying so.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissedRemoval {
+    /// The index of the action.
+    pub action: usize,
+    /// The sentence of its needs.
+    pub state: String,
+}
+
+/// Returns the states that actions end without saying so: what one action needs and replaces, the other one replaces back, as
+/// "open" and "closed".
+pub fn missed_removals(answers: &Answers) -> Vec<MissedRemoval> {
+    let Ok(reader) = AnswerReader::new(answers) else {
+        return Vec::new();
+    };
+    let mut missed = Vec::new();
+    for (index, action) in answers.action.iter().enumerate() {
+        for state in reader.reversed(action) {
+            let key = key_of(&reader.sentence(&state));
+            let mut removed = action.no_longer.iter().flatten();
+            if action.no_longer.is_some() && removed.all(|own| key_of(&reader.sentence(own)) != key) {
+                missed.push(MissedRemoval { action: index, state });
+            }
+        }
+    }
+    missed
+}
+
+impl AnswerReader<'_> {
+    /// Returns the needs of the action that another one brings about again, where it needs what this one brings about. Only
+    /// states of one thing: another place is [excluded](Self::excluded).
+    fn reversed(&self, action: &ActionAnswer) -> Vec<String> {
+        let key = |text: &String| {
+            let sentence = self.sentence(text);
+            (sentence.holds && kinds_of(&sentence).len() == 1).then(|| key_of(&sentence))
+        };
+        let keys = |texts: &[String]| texts.iter().filter_map(key).collect::<Vec<String>>();
+        let reverses = |other: &ActionAnswer, own: &String| {
+            let made = keys(&action.then);
+            let given_back = !made.contains(own) && keys(&other.then).contains(own);
+            given_back && keys(&other.needs).iter().any(|need| made.contains(need))
+        };
+        let is_reversed = |need: &&String| {
+            let own = key(need);
+            own.is_some_and(|own| {
+                self.answers
+                    .action
+                    .iter()
+                    .any(|other| other != action && reverses(other, &own))
+            })
+        };
+        action.needs.iter().filter(is_reversed).cloned().collect()
+    }
+}
+
 /// By fact that some action brings about: true if the action takes a thing from its place.
 type Had = BTreeMap<String, bool>;
 
 /// Returns what two sentences have in common if they mean the same fact.
 fn key_of(sentence: &Sentence) -> String {
-    let words = sentence.pieces.iter().map(|piece| match piece {
-        Piece::Word(word) => word.clone(),
-        Piece::Kind(kind, _) | Piece::Thing(kind, _) => format!("<{kind}>"),
+    let words = sentence.pieces.iter().filter_map(|piece| match piece {
+        // "Anna is at the desk" is "the anna is at the desk".
+        Piece::Word(word) => (!matches!(word.as_str(), "the" | "a" | "an")).then(|| word.clone()),
+        Piece::Kind(kind, _) | Piece::Thing(kind, _) => Some(format!("<{kind}>")),
     });
     words.collect::<Vec<_>>().join(" ")
 }
@@ -311,5 +367,13 @@ pub fn guess_removed(answers: &Answers, action: &ActionAnswer) -> Vec<String> {
     for own in answers.action.iter().take_while(|own| *own != action) {
         reader.removed_by(own, &mut had);
     }
-    reader.excluded(action, &had)
+    let mut removed = reader.excluded(action, &had);
+    let reversed = reader.reversed(action);
+    removed.extend(
+        reversed
+            .into_iter()
+            .filter(|own| !removed.contains(own))
+            .collect::<Vec<_>>(),
+    );
+    removed
 }

@@ -150,6 +150,23 @@ fn plural_mistake(answers: &Answers, text: &str) -> Option<AnswerMistake> {
     )
 }
 
+/// Returns the names of the kinds that no action is about.
+pub fn unused_kinds(answers: &Answers) -> Vec<String> {
+    let Ok(reader) = AnswerReader::new(answers) else {
+        return Vec::new();
+    };
+    let mut used: Vec<usize> = Vec::new();
+    let words = answers.action.iter().map(|action| action.words.clone());
+    for text in words.chain(states(answers)) {
+        used.extend(kinds_in_order(&reader.sentence(&text)));
+    }
+    let kinds = answers.kind.iter().enumerate();
+    kinds
+        .filter(|(index, _)| !used.contains(index))
+        .map(|(_, kind)| kind.name.clone())
+        .collect()
+}
+
 /// Returns all sentences about states in the answers.
 fn states(answers: &Answers) -> Vec<String> {
     let of_action = |action: &ActionAnswer| {

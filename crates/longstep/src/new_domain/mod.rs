@@ -20,9 +20,11 @@ mod words;
 
 use std::collections::BTreeMap;
 
-pub use answer_reader::guess_removed;
+pub use answer_reader::{MissedRemoval, guess_removed, missed_removals};
 pub use answers::{ActionAnswer, Answers, KindAnswer};
-pub use author::{AnswerMistake, action_mistake, guess_start, same_state, sentence_mistake, start_mistake};
+pub use author::{
+    AnswerMistake, action_mistake, guess_start, same_state, sentence_mistake, start_mistake, unused_kinds,
+};
 pub use sample::{Sample, samples};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};

@@ -220,6 +220,50 @@ fn the_default_for_what_holds_no_longer_is_what_the_new_facts_exclude() {
     }
 }
 
+/// A state that another action brings back is replaced, and both actions say so.
+#[test]
+fn actions_that_reverse_each_other_replace_the_state() {
+    let open = r#"{ words = "open a door", needs = ["the door is closed", "the door is clean"], then = ["the door is open"], no_longer = [] }"#;
+    let close = r#"{ words = "close a door", needs = ["the door is open"], then = ["the door is closed"], no_longer = ["the door is open"] }"#;
+    for (actions, guess, missed) in [
+        (vec![open], vec![], vec![]),
+        (
+            vec![open, close],
+            vec!["the door is open"],
+            vec![(0, "the door is closed")],
+        ),
+    ] {
+        let text = format!(
+            "name = \"x\"\nkind = [{{ name = \"door\", stays = true }}]\naction = [{}]\n",
+            actions.join(", ")
+        );
+        let answers = Answers::read("answers.toml", &text).unwrap();
+        assert_eq!(super::guess_removed(&answers, answers.action.last().unwrap()), guess);
+        let found = super::missed_removals(&answers);
+        let found: Vec<(usize, &str)> = found.iter().map(|own| (own.action, own.state.as_str())).collect();
+        assert_eq!(found, missed);
+    }
+}
+
+#[test]
+fn other_words_for_a_state_are_found() {
+    let answers = Answers::read("answers.toml", PORTER).unwrap();
+    let none = super::ActionAnswer::default();
+    for (text, expected) in [
+        ("the porter holds the box", None),
+        ("Porter holds a box.", None),
+        ("the porter is holding the box", Some("the porter holds the box")),
+        ("the robot holds no box", Some("not the porter holds any box")),
+        ("the box is on top of the shelf", Some("the box is on the shelf")),
+        ("the box is under the shelf", None),
+        ("the door is opened", Some("the door is open")),
+        ("the door is locked", None),
+        ("the porter is at the shelf", None),
+    ] {
+        assert_eq!(super::same_state(&answers, &none, text).as_deref(), expected, "{text}");
+    }
+}
+
 #[test]
 fn answers_that_make_no_domain_are_errors() {
     let change = |from: &str, to: &str| {
