@@ -78,22 +78,30 @@ fn mistakes_in_problems_are_told_with_their_place() {
     );
     check_plan(
         "(:init) (:metric minimize (total-time))",
-        "p.pddl:1:1: a problem has one goal, not 0",
+        "p.pddl:1:1: the problem has no goal\n  hint: add `(:goal (and (predicate object ...) ...))`",
     );
     assert_eq!(
         plan(
             "(define (problem p) (:domain shelves) (:objects cup cup - thang hand) (:init) (:goal (initially (dark))))"
         ),
-        "p.pddl:1:53: the object `cup` is declared twice\n\
-         p.pddl:1:59: unknown type `thang`\n  hint: did you mean `thing`?\n\
-         p.pddl:1:65: the object `hand` is declared twice\n\
-         p.pddl:1:87: unknown predicate `initially`"
+        "p.pddl:1:59: unknown type `thang`\n  hint: did you mean `thing`?\n\
+         p.pddl:1:65: the object `hand` is declared twice, with two types\n  \
+         hint: keep one of the declarations, or give one another name\n\
+         p.pddl:1:87: unknown predicate `initially`\n  \
+         hint: declare it in `(:predicates ...)`; known are `at`, `heavy`, `dark`"
     );
     assert_eq!(
-        plan("(define (problem p) (:domain shelfs) (:objects a - b) (:init) (:goal (c)))"),
-        "p.pddl:1:21: this problem is for the domain `shelfs`, not for `shelves`"
+        plan("(define (problem p) (:domain shelfs) (:objects a) (:init) (:goal (c)))"),
+        "p.pddl:1:21: this problem is for the domain `shelfs`, not for `shelves`\n  \
+         hint: give the domain of this problem with `--domain`\n\
+         p.pddl:1:67: unknown predicate `c`\n  \
+         hint: declare it in `(:predicates ...)`; known are `at`, `heavy`, `dark`"
     );
-    assert_eq!(plan("(problem p)"), "p.pddl:1:1: no `(define (problem NAME) ...)`");
+    assert_eq!(
+        plan("(problem p)"),
+        "p.pddl:1:1: no `(define (problem NAME) ...)`\n  \
+         hint: a problem file is one `(define (problem NAME) (:domain NAME) ...)` list"
+    );
     assert_eq!(
         plan("(define (problem p"),
         "p.pddl:1:9: this `(` is never closed\n  hint: add the missing `)`"

@@ -192,7 +192,7 @@ fn section_hint(head: &str, known: &[&str]) -> String {
     let hint = match head {
         ":process" | ":event" => "PDDL+ is not read: let actions change the facts and numbers",
         ":axiom" => "write it as `(:derived (predicate ?x - type) CONDITION)`",
-        ":constraints" => "write it as a `[[rule]]` in `domain.toml`, or with `--rules`",
+        ":constraint" | ":constraints" => "write it as a `[[rule]]` in `domain.toml`, or with `--rules`",
         ":task" | ":method" => "tasks and methods are not read: write a goal, and search finds the steps",
         ":init" | ":goal" | ":objects" | ":metric" => "put it into the problem file",
         _ => match nearest(head, known.iter().copied()) {
