@@ -45,7 +45,7 @@ fn impossible_scenes_are_errors_with_their_place() {
         ),
         (
             r#"[{"name": "cup", "box": {"x1": 210.0, "y1": 150.3, "x2": 260.4, "y2": 230.9}}]"#.to_owned(),
-            "boxes of a picture, in pixels, have no pose",
+            "boxes of a picture, in pixels, have no position and no size in space",
         ),
         (
             cup(r#""position": [0, 0, 0], "size": [1, 1, 1], "part_of": "<cup>""#),
