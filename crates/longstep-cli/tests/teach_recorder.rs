@@ -195,7 +195,7 @@ fn a_recorder_that_cannot_be_used_is_an_error_and_the_step_is_asked_for_again() 
             "error: the recorder, frame 1: no position; a frame has",
         ),
         (script("exec cat /dev/urandom"), 1, "error: the recorder"),
-        (script("exec yes"), 1, "error: the recorder, frame 1: "),
+        (script("exec yes"), 1, "error: the recorder: no column `x`, `z`; "),
         (
             script("exec cat /dev/zero"),
             1,

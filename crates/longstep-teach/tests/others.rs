@@ -172,6 +172,18 @@ fn tables_that_are_not_clear_say_what_to_rename() {
     assert_eq!(error, "demo: the text is UTF-16; save it as CSV in UTF-8");
 }
 
+/// A tracker that has not seen the hand yet is no mistake for a recorder, which goes on.
+#[test]
+fn a_recording_of_gaps_alone_may_still_begin() {
+    let is_without = |text: &str| {
+        let error = Demonstration::read("demo", Format::of_lines(text.as_bytes()), text.as_bytes()).unwrap_err();
+        error.is_without_position
+    };
+    assert!(is_without("t,hand,x,y,z\n0,left,,,\n"));
+    assert!(is_without("{\"t\": 0, \"hand\": \"left\", \"x\": null}\n"));
+    assert!(!is_without("t,hand,x,y,z\n0,left,,,\n1,left,1,,\n"));
+}
+
 #[test]
 fn times_since_the_epoch_are_cut_at_seconds() {
     for (unit, digits) in [(1.0, ""), (1e9, "000000000")] {
