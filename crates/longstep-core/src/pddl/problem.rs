@@ -281,11 +281,14 @@ fn objects(
         let is_type = |item: &Expression| item.word() == Some("-");
         let mut items = std::borrow::Cow::Borrowed(items);
         if is_untyped && items.iter().any(is_type) {
-            notes.push(Diagnostic::at(
-                reader.file,
-                section.position,
-                "the domain has no types, so those of the objects are left out",
-            ));
+            let mut pairs = items.windows(2);
+            if pairs.any(|pair| is_type(&pair[0]) && pair[1].word() != Some("object")) {
+                notes.push(Diagnostic::at(
+                    reader.file,
+                    section.position,
+                    "the domain has no types, so those of the objects are left out",
+                ));
+            }
             items = without_types(&items).into();
         }
         for (name, kind, position) in reader.typed_list(&items, &names.types) {

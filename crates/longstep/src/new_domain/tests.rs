@@ -324,7 +324,7 @@ fn a_domain_is_read_together_with_its_problem() {
     let problem = "(define (problem p) (:domain porter) (:objects depot hall - room red - crate)
       (:init (at red hall) (door hall)))";
     let new = made(domain, Some(problem));
-    assert_eq!(goals(&new), ["at(C, R)", "safe(C)"]);
+    assert_eq!(goals(&new), ["safe(C)", "at(C, R)"]);
     let pddl = text(&new, "domain.pddl");
     assert!(
         pddl.contains("(:constants depot - room)") && pddl.contains("(:derived (safe ?c - crate)"),

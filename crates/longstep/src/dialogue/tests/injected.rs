@@ -206,7 +206,7 @@ fn what_is_usual_is_left_as_it_is() {
     let domain = household();
     let world = kitchen(&domain, "<plum_2>");
     for text in [
-        "Put the <plum_2> into the <crate>.",
+        "Put the plum (2) into the crate.",
         "Where's \"the\" pear (the ripe one) - 50% off, A/B & C?",
         "Leg die Birne auf die Fensterbank, s'il vous plaît: 梨 [1]",
     ] {
