@@ -179,10 +179,13 @@ fn steps(part: &str) -> Option<Vec<WrittenStep>> {
 /// Signs between a step and its explanation.
 const EXPLANATION_SIGNS: [&str; 11] = ["->", "=>", "→", "–", "—", "-", ":", "#", "//", ";", "("];
 
+/// Number of places in an entry at which a step behind words is looked for, of each sign: each takes a pass over the entry.
+const MOST_SIGNS: usize = 4;
+
 /// Reads the steps of an entry with words before them: `1. Go to the desk: Walk(<desk>)`.
 fn steps_behind_words(entry: &str) -> Option<Vec<WrittenStep>> {
     let signs = [": ", " – ", " — ", " - ", " → ", " -> "];
-    let places = signs.iter().flat_map(|sign| entry.match_indices(sign));
+    let places = signs.iter().flat_map(|sign| entry.match_indices(sign).take(MOST_SIGNS));
     let (words, mut steps) = places
         .filter_map(|(at, sign)| Some((&entry[..at], steps(&entry[at + sign.len()..])?)))
         .next()?;

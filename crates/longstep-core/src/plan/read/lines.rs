@@ -1,5 +1,7 @@
 //! Steps on lines of their own: lists, tables, and VirtualHome scripts.
 
+use std::ops::Range;
+
 use super::line::{Form, Line};
 use super::objects::beginning;
 use super::unreadable::Unreadable;
@@ -68,19 +70,18 @@ struct Groups {
 impl Groups {
     /// Reads all lines; none if they are code.
     fn read(&mut self, text: &str) -> Option<()> {
-        let is_code = |part: &str| scripts::is_meant(part);
-        let code: Vec<_> = match text.contains(FENCE) {
-            true => blocks(text)
-                .map(|block| block.inside)
-                .filter(|inside| is_code(&text[inside.clone()]))
-                .collect(),
-            false => std::iter::once(0..text.len()).filter(|_| is_code(text)).collect(),
+        let parts: Vec<Range<usize>> = match text.contains(FENCE) {
+            true => blocks(text).map(|block| block.inside).collect(),
+            false => std::iter::once(0..text.len()).collect(),
         };
+        let code = parts.into_iter().filter(|part| scripts::is_meant(&text[part.clone()]));
+        let mut code = code.peekable();
         let mut fence = None;
         let mut at = 0;
         for line in text.split_inclusive('\n') {
             let start = at;
             at += line.len();
+            while code.next_if(|part| part.end <= start).is_some() {}
             let bare = line.trim();
             if bare.starts_with(FENCE) {
                 fence = fence.xor(Some(start));
@@ -89,7 +90,7 @@ impl Groups {
                 self.is_next = false;
             } else if let Some(read) = Line::read(line) {
                 self.add(read, start..at);
-            } else if code.iter().any(|code| code.contains(&start)) {
+            } else if code.peek().is_some_and(|part| part.contains(&start)) {
                 if !bare.starts_with('#') {
                     return None;
                 }
@@ -109,7 +110,7 @@ impl Groups {
         self.is_next = false;
     }
 
-    fn add(&mut self, line: Line, place: std::ops::Range<usize>) {
+    fn add(&mut self, line: Line, place: Range<usize>) {
         let begins_again = |open: &Group| {
             line.number
                 .is_some_and(|number| open.number.is_some_and(|last| number <= last))

@@ -349,6 +349,23 @@ fn hostile_texts_are_refused_in_time() {
         "'\n",
         "{a:'' ",
         "{a:[],",
+        "- ",
+        "- a: ",
+        "- a: {",
+        "- - ",
+        "- [",
+        "a:\n- ",
+        "- &a b\n",
+        "? a\n",
+        "1. a: ",
+        "1. a((: ",
+        "1. a(\n",
+        "| a( |",
+        "[A] <a> (",
+        "```\na(\n```\n",
+        "```\n- a(\n```\n",
+        "<think>",
+        "<think></think>",
     ] {
         let times = (1 << 18) / part.len();
         for end in ["", " @", "}", "'", "' @"] {

@@ -84,12 +84,12 @@ fn value(text: &str, part: Range<usize>) -> Result<Option<ValueNode>, Unreadable
         position: Position::of(text, at),
         message: message.to_owned(),
     };
-    let mut offsets = Offsets::new(inside, part.start);
+    let offsets = Offsets::new(inside, part.start);
     let mut open: Vec<Open> = Vec::new();
     let mut done = None;
     for event in Parser::new_from_str(inside) {
         let (event, span) = event.map_err(|error| {
-            let at = Offsets::new(inside, part.start).byte(error.marker().index());
+            let at = offsets.byte(error.marker().index());
             malformed(at, &format!("this is not YAML: {}", error.info()))
         })?;
         let at = offsets.byte(span.start.index());
@@ -158,32 +158,30 @@ fn scalar(text: Cow<'_, str>, style: ScalarStyle) -> Value {
     }
 }
 
-/// Byte offsets of characters, which are asked for in order.
-struct Offsets<'t> {
-    text: &'t str,
+/// The byte offsets of the characters of a part of a text.
+struct Offsets {
     before: usize,
-    characters: usize,
-    bytes: usize,
+    /// Empty for ASCII, where they are the numbers of the characters.
+    offsets: Vec<usize>,
+    end: usize,
 }
 
-impl<'t> Offsets<'t> {
-    fn new(text: &'t str, before: usize) -> Self {
-        Self {
-            text,
-            before,
-            characters: 0,
-            bytes: 0,
-        }
+impl Offsets {
+    fn new(text: &str, before: usize) -> Self {
+        let offsets = match text.is_ascii() {
+            true => Vec::new(),
+            false => text.char_indices().map(|(at, _)| at).collect(),
+        };
+        let end = text.len();
+        Self { before, offsets, end }
     }
 
     /// Returns the byte offset of a character in the whole text.
-    fn byte(&mut self, character: usize) -> usize {
-        if character < self.characters {
-            (self.characters, self.bytes) = (0, 0);
-        }
-        let skipped = self.text[self.bytes..].chars().take(character - self.characters);
-        self.bytes += skipped.map(char::len_utf8).sum::<usize>();
-        self.characters = character;
-        self.before + self.bytes
+    fn byte(&self, character: usize) -> usize {
+        let inside = match self.offsets.is_empty() {
+            true => character.min(self.end),
+            false => self.offsets.get(character).copied().unwrap_or(self.end),
+        };
+        self.before + inside
     }
 }
