@@ -37,7 +37,8 @@ pub(crate) fn read(file: &str, text: &str, problem: Option<&Expression>) -> Resu
         }
         adapt(file, define, problem, &mut notes);
     }
-    is_rewritten |= expressions != as_parsed;
+    let mut pairs = expressions.iter().zip(&as_parsed);
+    is_rewritten |= expressions.len() != as_parsed.len() || pairs.any(|(own, parsed)| !own.is_same(parsed));
     Ok(Adapted {
         expressions,
         notes,
