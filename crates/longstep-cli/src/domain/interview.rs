@@ -480,6 +480,14 @@ mod tests {
                 &["porter", "box", "shelf", "pick up boxes"],
                 "\"boxes\" is more than one box",
             ),
+            (
+                &["porter", "box", "shelf", "pick, put a box"],
+                "is more than one action",
+            ),
+            (
+                &[&PICK[..4], &["the box is on a shelf, the porter holds no box"]].concat(),
+                "is more than one sentence",
+            ),
             (&[&PICK[..5], &["-"]].concat(), "without a result"),
             (&[&PICK[..], &["pick up a box"]].concat(), "there is an action"),
             (

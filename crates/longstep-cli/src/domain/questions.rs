@@ -78,7 +78,8 @@ fn kept(name: &str) -> Result<Vec<String>> {
         "{count} answers for `{}` are kept. Go on with them? (yes or no)",
         kept.folder
     );
-    match ask(&text, "yes")?.as_deref() {
+    let default = if kept.folder == name { "yes" } else { "no" };
+    match ask(&text, default)?.as_deref() {
         Some("no" | "n") => {
             KeptAnswers::remove();
             Ok(Vec::new())

@@ -44,6 +44,12 @@ fn mistake(message: String, hint: impl Into<String>) -> Option<AnswerMistake> {
 /// Returns the mistake in the words of an action after those in `answers`, if any.
 pub fn action_mistake(answers: &Answers, words: &str) -> Option<AnswerMistake> {
     let reader = AnswerReader::new(answers).ok()?;
+    if words.contains([',', ';']) {
+        return mistake(
+            format!("\"{words}\" is more than one action"),
+            "write one action at a time: \"pick up a box\"",
+        );
+    }
     if let Some(found) = plural_mistake(answers, words) {
         return Some(found);
     }
@@ -75,6 +81,12 @@ pub fn action_mistake(answers: &Answers, words: &str) -> Option<AnswerMistake> {
 /// Returns the mistake in a sentence about a state, if any.
 pub fn sentence_mistake(answers: &Answers, text: &str) -> Option<AnswerMistake> {
     let reader = AnswerReader::new(answers).ok()?;
+    if text.contains(',') {
+        return mistake(
+            format!("\"{text}\" is more than one sentence"),
+            "separate sentences by \";\"",
+        );
+    }
     if let Some(found) = plural_mistake(answers, text) {
         return Some(found);
     }
