@@ -5,7 +5,7 @@
 
 use longstep::domain::{
     ActionAnswer, AnswerMistake, Answers, KindAnswer, action_mistake, guess_removed, guess_start, missed_removals,
-    same_state, sentence_mistake, start_mistake, unused_kinds,
+    replace_state, same_state, sentence_mistake, start_mistake, unmade_states, unused_kinds,
 };
 
 /// Actions that are asked for; more can be added to answers.toml.
@@ -90,6 +90,15 @@ pub(super) fn interview(name: &str, given: &[String]) -> Result<Answers, Box<Que
     answers.robot = Some(given.take(introduced)?.to_owned());
     kinds(&mut answers, given)?;
     while answers.action.len() < ACTIONS && (action(&mut answers, given)? || wants_more(&mut answers, given)?) {}
+    for state in unmade_states(&answers) {
+        let text = format!(
+            "No action makes \"{}\" true. Is it the same as \"{}\"? (yes or no)",
+            state.needed, state.made
+        );
+        if yes_or_no(given, question(text, "yes"))? {
+            replace_state(&mut answers, &state);
+        }
+    }
     first_world(&mut answers, given)?;
     confirm(&answers, given)?;
     Ok(answers)
@@ -457,6 +466,15 @@ mod tests {
             (
                 &[&PICK[..], &["put a box on a shelf", "the porter is holding the box"]].concat(),
                 "Is \"the porter is holding the box\" the same as \"the porter holds the box\"?",
+                "yes",
+            ),
+            (
+                &[
+                    &PICK[..],
+                    &["wash a box", "the porter has the box", "the box is clean", "", ""],
+                ]
+                .concat(),
+                "No action makes \"the porter has the box\" true. Is it the same as \"the porter holds the box\"?",
                 "yes",
             ),
         ] {

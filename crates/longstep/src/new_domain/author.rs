@@ -202,19 +202,73 @@ pub fn same_state(answers: &Answers, action: &ActionAnswer, text: &str) -> Optio
     let robot = answers.robot();
     let meaning = meaning(&sentence, &robot);
     let kinds = kinds_in_order(&sentence);
-    let words = words_of(&sentence);
     let mut of_action = answers.clone();
     of_action.action.push(action.clone());
     let earlier: Vec<Sentence> = states(&of_action).iter().map(|own| reader.sentence(own)).collect();
-    if earlier
-        .iter()
-        .any(|own| words_of(own) == words && kinds_in_order(own) == kinds)
-    {
+    if earlier.iter().any(|own| is_same(own, &sentence)) {
         return None;
     }
     let similar = |own: &&Sentence| kinds_in_order(own) == kinds && is_similar(&self::meaning(own, &robot), &meaning);
     let found = earlier.iter().find(similar)?;
     Some(rewritten(answers, found, &sentence))
+}
+
+/// A state that actions need and none brings about, with a state of the robot and the same kinds that one brings about.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UnmadeState {
+    /// The sentence of the need.
+    pub needed: String,
+    /// The sentence that an action brings about.
+    pub made: String,
+}
+
+/// Returns the states of the robot that actions need and none brings about, where they may be other words for one that is brought
+/// about: "the robot has the box" beside "the robot holds the box".
+pub fn unmade_states(answers: &Answers) -> Vec<UnmadeState> {
+    let Ok(reader) = AnswerReader::new(answers) else {
+        return Vec::new();
+    };
+    let robot = answers.robot();
+    let is_of_robot = |own: &Sentence| !kinds_of(own).is_empty() && plain_words(own).join(" ").contains(&robot);
+    let read = |texts: Vec<&String>| -> Vec<Sentence> {
+        let all = texts.into_iter().map(|text| reader.sentence(text));
+        all.filter(&is_of_robot).collect()
+    };
+    let made = read(answers.action.iter().flat_map(|action| &action.then).collect());
+    let mut unmade: Vec<UnmadeState> = Vec::new();
+    for needed in read(answers.action.iter().flat_map(|action| &action.needs).collect()) {
+        if made.iter().any(|own| is_same(own, &needed)) {
+            continue;
+        }
+        let found = made.iter().find(|own| kinds_in_order(own) == kinds_in_order(&needed));
+        let own = found.map(|made| UnmadeState {
+            needed: rewritten(answers, &needed, &needed),
+            made: rewritten(answers, made, &needed),
+        });
+        unmade.extend(own.filter(|own| !unmade.contains(own)));
+    }
+    unmade
+}
+
+/// Writes one state in the words of another one, in all actions.
+pub fn replace_state(answers: &mut Answers, state: &UnmadeState) {
+    let before = answers.clone();
+    let Ok(reader) = AnswerReader::new(&before) else { return };
+    let (needed, made) = (reader.sentence(&state.needed), reader.sentence(&state.made));
+    for action in &mut answers.action {
+        let removed = action.no_longer.iter_mut().flatten();
+        for text in action.needs.iter_mut().chain(&mut action.then).chain(removed) {
+            let own = reader.sentence(text);
+            if is_same(&own, &needed) {
+                *text = rewritten(&before, &made, &own);
+            }
+        }
+    }
+}
+
+/// Returns true if two sentences are about the same fact.
+fn is_same(left: &Sentence, right: &Sentence) -> bool {
+    words_of(left) == words_of(right) && kinds_in_order(left) == kinds_in_order(right)
 }
 
 fn kinds_in_order(sentence: &Sentence) -> Vec<usize> {
@@ -319,6 +373,8 @@ pub fn guess_start(answers: &Answers) -> Vec<String> {
         let kinds = kinds_in_order(sentence);
         let moves = kinds.iter().copied().find(|kind| !answers.kind[*kind].stays);
         match (&kinds[..], changed.contains(pattern)) {
+            // Whom the robot has or knows at the start, only its author can say.
+            ([kind], false) if !answers.kind[*kind].stays && plain_words(sentence).join(" ").contains(&robot) => {}
             ([kind], false) => start.extend(of_all(answers, sentence, *kind)),
             ([place], true) if answers.kind[*place].stays && plain_words(sentence).join(" ").contains(&robot) => {
                 start.extend(of_all(answers, sentence, *place).into_iter().take(1));

@@ -23,7 +23,8 @@ use std::collections::BTreeMap;
 pub use answer_reader::{MissedRemoval, guess_removed, missed_removals};
 pub use answers::{ActionAnswer, Answers, KindAnswer};
 pub use author::{
-    AnswerMistake, action_mistake, guess_start, same_state, sentence_mistake, start_mistake, unused_kinds,
+    AnswerMistake, UnmadeState, action_mistake, guess_start, replace_state, same_state, sentence_mistake,
+    start_mistake, unmade_states, unused_kinds,
 };
 pub use sample::{Sample, samples};
 
