@@ -377,6 +377,21 @@ fn pddl_of_others_becomes_a_folder() {
         "{}",
         text(&held, "domain.pddl")
     );
+    // What the start takes and the end gives back is no effect.
+    let busy = durative
+        .replace("(swept?x - room)", "(swept ?x - room) (idle ?r - robot)")
+        .replace("(over all (at ?r ?x))", "(at start (idle ?r)) (over all (at ?r ?x))")
+        .replace(
+            ":effect (at end (swept ?x))",
+            ":effect (and (at start (not (idle ?r))) (at end (idle ?r)) (at end (swept ?x)))",
+        );
+    let busy = made(&busy, None);
+    let effect = text(&busy, "domain.pddl")
+        .split(":action sweep")
+        .nth(1)
+        .unwrap_or_default();
+    let effect = effect.split(":effect").nth(1).unwrap_or_default();
+    assert!(effect.contains("swept") && !effect.contains("idle"), "{effect}");
     // A domain whose made-up world shows nothing is written, with a note.
     let nothing = "(define (domain never) (:predicates (p ?x) (q ?x) (r ?x))
         (:action a :parameters (?x) :precondition (and (p ?x) (q ?x) (not (q ?x))) :effect (r ?x)))";
