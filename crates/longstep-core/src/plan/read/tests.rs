@@ -366,6 +366,7 @@ fn hostile_texts_are_refused_in_time() {
         "```\n- a(\n```\n",
         "<think>",
         "<think></think>",
+        "</think>",
     ] {
         let times = (1 << 18) / part.len();
         for end in ["", " @", "}", "'", "' @"] {

@@ -24,7 +24,7 @@ fn ranges(text: &str) -> Vec<Range<usize>> {
         found.push(0..at + CHANNEL.len());
     }
     for (open, close) in TAGS {
-        let mut at = 0;
+        let (mut at, mut without_begin) = (0, 0);
         loop {
             let opened = text[at..].find(open).map(|place| at + place);
             let closed = text[at..].find(close).map(|place| at + place);
@@ -34,9 +34,8 @@ fn ranges(text: &str) -> Vec<Range<usize>> {
                     at = end + close.len();
                 }
                 (_, Some(end)) => {
-                    // A second end belongs to the thoughts before it.
-                    found.push(0..end + close.len());
                     at = end + close.len();
+                    without_begin = at;
                 }
                 (Some(start), None) => {
                     found.push(start..text.len());
@@ -44,6 +43,9 @@ fn ranges(text: &str) -> Vec<Range<usize>> {
                 }
                 (None, None) => break,
             }
+        }
+        if without_begin > 0 {
+            found.push(0..without_begin);
         }
     }
     found
