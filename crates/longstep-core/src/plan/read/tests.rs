@@ -590,7 +590,7 @@ fn texts_inside_of_values_are_read() {
     check(&format!("{PLAN:?}"), "a(); b(); A; B [Quoted]");
     check(
         &format!("{:?}", "1. a()\n2. b()"),
-        "a(); b() [Quoted Notation(\"a numbered list\")]",
+        "a(); b() [Notation(\"a numbered list\") Quoted]",
     );
     check(
         r#"{"message": {"content": "1. a()\n2. b()"}}"#,
