@@ -112,7 +112,8 @@ fn an_identifier_without_brackets_names_its_entity() {
             ("bring(pallet 1, dock)", "bring(<pallet_2>, <dock_32>)"),
             (
                 "bring(tube_41, dock)",
-                "`tube_41` in `bring(tube_41, dock)` is the name of several entities: tube_41 (has no cap), tube (has a cap); write one of these names",
+                "`tube_41` in `bring(tube_41, dock)` is the name of several entities: tube_41 (has no cap), tube (has a cap); write \
+                 one of these names",
             ),
         ],
     );

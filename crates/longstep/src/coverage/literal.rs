@@ -60,10 +60,8 @@ pub(super) fn is_represented(world: &World, instruction: &str, part: &Range<usiz
         })
         .collect();
     let is_counted = |(place, count): (usize, usize)| {
-        let nouns = words[place + 1..].iter().take(NOUN_WITHIN);
-        nouns
-            .into_iter()
-            .any(|(noun, _)| counted(world, goal, noun).contains(&count))
+        let mut nouns = words[place + 1..].iter().take(NOUN_WITHIN);
+        nouns.any(|(noun, _)| counted(world, goal, noun).contains(&count))
     };
     (!digits.is_empty() || !spelled.is_empty())
         && digits

@@ -367,6 +367,7 @@ fn hostile_texts_are_refused_in_time() {
         "<think>",
         "<think></think>",
         "</think>",
+        "<think></think></think>",
     ] {
         let times = (1 << 18) / part.len();
         for end in ["", " @", "}", "'", "' @"] {
@@ -598,7 +599,7 @@ fn texts_inside_of_values_are_read() {
     );
     check(
         r#"{"message": {"content": "{\"task_sequence\": [\"a()"}}"#,
-        "line 1, column 25: in `message.content`, line 1, column 26: the reply breaks off; the object that begins at line 1, column 1 does not end",
+        "line 1, column 25: in `message.content`, line 1, column 24: the reply breaks off; the object that begins at line 1, column 1 does not end",
     );
 }
 

@@ -26,23 +26,17 @@ fn ranges(text: &str) -> Vec<Range<usize>> {
     for (open, close) in TAGS {
         let (mut at, mut without_begin) = (0, 0);
         loop {
-            let opened = text[at..].find(open).map(|place| at + place);
-            let closed = text[at..].find(close).map(|place| at + place);
-            match (opened, closed) {
-                (Some(start), Some(end)) if start < end => {
-                    found.push(start..end + close.len());
-                    at = end + close.len();
-                }
-                (_, Some(end)) => {
-                    at = end + close.len();
-                    without_begin = at;
-                }
-                (Some(start), None) => {
-                    found.push(start..text.len());
-                    break;
-                }
-                (None, None) => break,
+            let opened = text[at..].find(open).map_or(text.len(), |place| at + place);
+            // Ends before the next begin have none; the last of them counts.
+            if let Some(place) = text[at..opened].rfind(close) {
+                without_begin = at + place + close.len();
             }
+            if opened == text.len() {
+                break;
+            }
+            let closed = text[opened..].find(close).map(|place| opened + place + close.len());
+            found.push(opened..closed.unwrap_or(text.len()));
+            at = closed.unwrap_or(text.len());
         }
         if without_begin > 0 {
             found.push(0..without_begin);

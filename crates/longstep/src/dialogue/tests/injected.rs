@@ -206,13 +206,25 @@ fn what_is_usual_is_left_as_it_is() {
     let domain = household();
     let world = kitchen(&domain, "<plum_2>");
     for text in [
-        "Put the plum (2) into the crate.",
+        "Put the <crate> on the <sill>.",
         "Where's \"the\" pear (the ripe one) - 50% off, A/B & C?",
         "Leg die Birne auf die Fensterbank, s'il vous plaît: 梨 [1]",
     ] {
         let (messages, fixed) = goal(&domain, &world, text, ConstraintKind::JsonSchema);
         assert!(messages[fixed].text.ends_with(&format!("\nInstruction: {text}")));
     }
+    // The scene has no identifiers.
+    let (messages, fixed) = goal(
+        &domain,
+        &world,
+        "Take plum_2 to the <crate>",
+        ConstraintKind::JsonSchema,
+    );
+    assert!(
+        messages[fixed]
+            .text
+            .ends_with("\nInstruction: Take plum to the <crate>")
+    );
 }
 
 #[test]
