@@ -70,6 +70,9 @@ const ABOUT_SCHEMA: [&str; 6] = [
     "specified schema",
 ];
 
+/// Words of complaints for which another form of the schema is no remedy.
+const BEYOND_FORM: [&str; 4] = ["json mode", "grammar", "required for format", "missing field"];
+
 /// Names by which servers reject the role of the system.
 const SYSTEM: [&str; 2] = ["systeminstruction", "system_instruction"];
 
@@ -180,7 +183,7 @@ impl Dialect {
         }
         let has_schema = matches!(request.constraint, Constraint::JsonSchema(_)) && self.sends_schema();
         if has_schema && self.is_about_schema(complaint) {
-            return Some(self.without_schema());
+            return Some(self.without_schema(complaint));
         }
         self.without_sampling(complaint, sampling)
             .or_else(|| self.with_other_limit(complaint))
@@ -191,9 +194,11 @@ impl Dialect {
         is_bare || complaint.names(&SCHEMA) || complaint.says(&ABOUT_SCHEMA)
     }
 
-    /// Tries the other form of a schema, then none. OpenAI and Azure have no second form; other servers may.
-    fn without_schema(self) -> (Self, Option<&'static str>) {
-        let has_other = matches!(self.kind, Kind::Other | Kind::Ollama) && !self.native;
+    /// Tries the other form of a schema, if the complaint is about the form, then none. OpenAI and Azure have no second form;
+    /// other servers may.
+    fn without_schema(self, complaint: &Complaint) -> (Self, Option<&'static str>) {
+        let is_about_form = complaint.names(&["response_format", "json_schema"]) && !complaint.says(&BEYOND_FORM);
+        let has_other = matches!(self.kind, Kind::Other | Kind::Ollama) && !self.native && is_about_form;
         if self.schema == SchemaForm::Schema && has_other {
             let schema = SchemaForm::Object;
             return (Self { schema, ..self }, None);

@@ -20,6 +20,8 @@ pub(super) fn pause(failure: &Failure, tries: u32) -> Option<Duration> {
         Failure::Unreachable(_) => backoff,
         // Not more than once: most servers that say nothing have nothing to say.
         Failure::Empty(_) if tries == 0 => backoff,
+        // Without credit, no wait helps.
+        Failure::Rejected { complaint, .. } if complaint.names(&["insufficient_quota"]) => return None,
         Failure::Rejected {
             status: 408 | 429 | 500..,
             wait,

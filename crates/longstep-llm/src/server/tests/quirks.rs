@@ -293,6 +293,52 @@ fn schemas() -> Vec<Quirk> {
     let claude = "output_config.format.schema: For 'array' type, property 'maxItems' is not supported";
     vec![
         Quirk::new(
+            "no JSON mode",
+            "egoist/chatwise-releases#141",
+            vec![
+                refused(
+                    BAD,
+                    &json!({"code": 20024, "message": "Json mode is not supported for this model."}),
+                ),
+                good(),
+            ],
+            Right::Answer,
+        ),
+        Quirk::new(
+            "JSON that the server checks",
+            "thepersonalaicompany/amurex-backend#38",
+            vec![
+                refused(
+                    BAD,
+                    &json!({"error": {"message": "Failed to generate JSON.", "code": "json_validate_failed"}}),
+                ),
+                good(),
+            ],
+            Right::Answer,
+        ),
+        Quirk::new(
+            "a grammar that cannot be compiled",
+            "ggml-org/llama.cpp#19349",
+            vec![
+                refused(BAD, &error("Failed to initialize samplers: failed to parse grammar")),
+                good(),
+            ],
+            Right::Answer,
+        ),
+        Quirk::new(
+            "another key for the schema",
+            "huggingface/text-generation-inference#2899",
+            vec![
+                answer(
+                    "422 Unprocessable Entity",
+                    &[],
+                    b"Failed to deserialize: response_format: missing field `value` at line 1",
+                ),
+                good(),
+            ],
+            Right::Answer,
+        ),
+        Quirk::new(
             "keyword of a schema",
             "vercel/ai#17197",
             vec![refused(BAD, &error(claude)), anthropic()],
@@ -378,6 +424,15 @@ fn efforts() -> Vec<Quirk> {
 /// Other errors with a status.
 fn rejections() -> Vec<Quirk> {
     vec![
+        Quirk::new(
+            "no credit",
+            "langchain-ai/langchainjs#1929",
+            vec![refused(
+                "429 Too Many Requests",
+                &json!({"error": {"message": "You exceeded your current quota.", "code": "insufficient_quota"}}),
+            )],
+            Right::Error("exceeded your current quota"),
+        ),
         Quirk::new(
             "limit without a header for retries",
             "vectorize-io/hindsight#3508",
