@@ -22,6 +22,7 @@ mod inputs;
 mod lanes;
 mod model;
 mod output;
+mod parsed_arguments;
 mod plan;
 mod plan_domain;
 mod problem;
@@ -45,7 +46,7 @@ use arguments::Command;
 use output::Style;
 
 fn main() -> ExitCode {
-    let mut arguments = match output::parsed() {
+    let mut arguments = match parsed_arguments::parsed() {
         Ok(arguments) => arguments,
         Err(code) => return ExitCode::from(output::finished(code)),
     };

@@ -4,7 +4,6 @@
 //! breaks, control characters, bidirectional controls and zero-width characters become escapes. Styles are kept apart
 //! from the text, so that text cannot contain styles. `clippy.toml` forbids every other way to print.
 
-mod clap_error;
 mod styled;
 mod terminal;
 
@@ -18,7 +17,6 @@ use longstep_core::visible;
 use longstep_llm::plain_reason;
 use serde::Serialize;
 
-pub(crate) use clap_error::parsed;
 pub(crate) use styled::{Line, Style};
 pub(crate) use terminal::{can_draw_board, can_redraw, columns, shows_remarks, terminal_size};
 
@@ -136,6 +134,11 @@ pub(crate) enum Form {
 
 static FORM: OnceLock<Form> = OnceLock::new();
 
+/// Sets the form of results and errors, once.
+pub(crate) fn set_form(form: Form) {
+    let _ = FORM.set(form);
+}
+
 /// The form that the arguments of the program ask for.
 pub(crate) fn form() -> Form {
     FORM.get().copied().unwrap_or(Form::Text)
@@ -176,7 +179,7 @@ pub(crate) fn finished(code: u8) -> u8 {
     NOT_WRITTEN
 }
 
-fn to_stdout(shown: &str) {
+pub(crate) fn to_stdout(shown: &str) {
     match progress_below() {
         Some(bar) if !failed() => bar.suspend(|| write_stdout(shown)),
         _ => write_stdout(shown),
@@ -195,7 +198,7 @@ fn write_stdout(shown: &str) {
     }
 }
 
-fn to_stderr(shown: &str) {
+pub(crate) fn to_stderr(shown: &str) {
     match progress_below() {
         Some(bar) => bar.suspend(|| write_stderr(shown)),
         None => write_stderr(shown),

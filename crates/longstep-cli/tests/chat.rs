@@ -204,7 +204,11 @@ fn conversations() {
         (
             "nonsense_from_the_model",
             &[],
-            vec![Answer::Says("Sure!".to_owned()), cereal_on_counter()],
+            vec![
+                Answer::Says("Sure!".to_owned()),
+                Answer::Says("Sure!".to_owned()),
+                cereal_on_counter(),
+            ],
             "Put the cereal on the counter\nthe cereal, on the counter\n\n",
         ),
         (

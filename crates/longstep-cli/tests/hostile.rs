@@ -216,7 +216,9 @@ fn an_evaluation_can_be_stopped_at_every_moment() {
         let mut child = longstep(home.path())
             .args(["eval", "branching", "--case", "pantry-01", "--out"])
             .arg(home.path().join(number.to_string()))
-            .args(["--model", &server.reference(), "--context", "8192"])
+            .args(["--model", &server.reference()])
+            // The size of the context is asked for unless it is given.
+            .args(["--context", "8192"].iter().filter(|_| mode.place != Place::Context))
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()

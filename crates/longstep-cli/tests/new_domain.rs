@@ -46,11 +46,11 @@ fn pddl_of_any_origin_becomes_a_domain_that_passes() {
 #[test]
 fn nothing_is_written_for_what_is_not_supported() {
     let home = home();
-    let text = LAMPS.replacen("(:action switch-on", "(:derived (p) (powered)) (:action switch-on", 1);
-    std::fs::write(home.path().join("axioms.pddl"), text).unwrap();
+    let text = LAMPS.replacen("(:action switch-on", "(:process heat) (:action switch-on", 1);
+    std::fs::write(home.path().join("process.pddl"), text).unwrap();
     std::fs::write(home.path().join("answers.toml"), "name = \"x\"\nkinds = []").unwrap();
     for (arguments, place) in [
-        (&["new", "mine", "--pddl", "axioms.pddl"][..], "axioms.pddl:3:"),
+        (&["new", "mine", "--pddl", "process.pddl"][..], "process.pddl:3:"),
         (&["new", "mine", "--from", "answers.toml"], "answers.toml:2:1"),
         (&["new", "mine", "--pddl", "absent.pddl"], "absent.pddl"),
     ] {

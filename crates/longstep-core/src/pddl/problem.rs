@@ -184,6 +184,8 @@ fn read(
         match reader.findings.is_empty() {
             true => notes.push(Diagnostic::at(file, position, format!("{message}; all its names fit"))),
             false => {
+                // One sample is enough: the names of another domain are all unknown.
+                reader.findings.truncate(1);
                 let hint = "give the domain of this problem with `--domain`";
                 reader.report(position, message, hint);
             }

@@ -104,7 +104,7 @@ fn mistakes_in_problems_are_told_with_their_place() {
     );
     assert_eq!(
         plan("(define (problem p"),
-        "p.pddl:1:9: this `(` is never closed\n  hint: add the missing `)`"
+        "p.pddl:1:1: the problem has no goal\n  hint: add `(:goal (and (predicate object ...) ...))`"
     );
 }
 

@@ -416,8 +416,8 @@ fn predicates_of<'e>(expression: &'e Expression, used: &mut IndexMap<&'e str, Us
     };
     match head.word() {
         Some("forall" | "exists") => rest.iter().skip(1).for_each(|item| predicates_of(item, used)),
-        // Equality compares names or numbers.
-        Some("=") => {}
+        // Comparisons, also of two constants.
+        Some("=" | "<" | "<=" | ">" | ">=") => {}
         Some(word) if CONNECTIVES.contains(&word) => rest.iter().for_each(|item| predicates_of(item, used)),
         Some(word) if NUMERIC.contains(&word) && rest.iter().any(|item| item.list().is_some()) => {}
         Some(word) if !word.starts_with(['?', ':', '-']) && rest.iter().all(|item| item.word().is_some()) => {

@@ -10,7 +10,7 @@ pub(super) const LARGEST: usize = 1 << 20;
 /// The notations in which plans are read, as a hint for a text in none of them.
 const NOTATIONS_READ: &str = "a plan is JSON or a Python literal with `task_cohesion`, a list of calls or of objects with `action` under \
     `plan` or `steps`, tool calls, YAML, a script, a list or table of calls such as `Open(<fridge>)`, a VirtualHome script, or what a planner \
-    prints (docs/verification.md); for a refusal, show what it says to the person";
+    prints (docs/verification.md)";
 
 /// Reasons why a reply contains no readable plan. The reader never completes a plan and never chooses between plans.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -158,7 +158,8 @@ impl Unreadable {
         match self {
             Self::Empty => "ask again; if it stays empty, look at the model's token limit and content filter",
             Self::TooLarge { .. } | Self::TooDeep { .. } => "ask again for the plan alone",
-            Self::Refusal { .. } | Self::NoPlan { .. } | Self::Foreign { .. } => NOTATIONS_READ,
+            Self::Refusal { .. } => "show what it says to the person, or ask again for the plan as one JSON object",
+            Self::NoPlan { .. } | Self::Foreign { .. } => NOTATIONS_READ,
             Self::OnlyThoughts => "raise the limit on the length of the answer, or turn the model's thinking off",
             Self::SeveralReadings { .. } => "keep the plan that is meant, and take the other out",
             Self::NoStep { .. } => "write a call of an action there, as in `Open(<fridge>)`, or take the entry out",

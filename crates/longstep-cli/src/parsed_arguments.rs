@@ -6,13 +6,13 @@ use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
 use longstep_core::{secret, visible};
 
-use super::Form;
 use crate::arguments::Arguments;
+use crate::output::{self, Form};
 
 /// Parses the arguments of the program. Help and errors are printed; the returned error is the exit code.
 pub(crate) fn parsed() -> Result<Arguments, u8> {
     let typed: Vec<OsString> = std::env::args_os().collect();
-    let _ = super::FORM.set(form(&typed));
+    output::set_form(form(&typed));
     Arguments::try_parse_from(&typed).map_err(|error| {
         // The error repeats arguments inside styled text, so arguments are escaped before.
         let shown = typed.iter().map(|argument| shown_argument(&argument.to_string_lossy()));
@@ -44,7 +44,7 @@ fn print_object(error: &clap::Error, code: u8) {
     let object = serde_json::json!({
         "error": { "code": code, "message": words.join(" "), "hint": "`longstep help` lists the commands and their options" },
     });
-    super::in_form(super::form(), &object);
+    output::in_form(output::form(), &object);
 }
 
 fn print(mut error: clap::Error) -> u8 {
@@ -57,13 +57,13 @@ fn print(mut error: clap::Error) -> u8 {
         error.insert(kind, value);
     }
     let code = u8::try_from(error.exit_code()).unwrap_or(crate::exit_code::UNREADABLE);
-    if error.use_stderr() && super::form() != Form::Text {
+    if error.use_stderr() && output::form() != Form::Text {
         print_object(&error, code);
     }
     let shown = visible_but_styles(&error.render().ansi().to_string());
     match error.use_stderr() {
-        true => super::to_stderr(&shown),
-        false => super::to_stdout(&shown),
+        true => output::to_stderr(&shown),
+        false => output::to_stdout(&shown),
     }
     code
 }
