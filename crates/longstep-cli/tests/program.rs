@@ -218,7 +218,12 @@ fn plans_in_the_notations_of_others_are_verified_and_repaired() {
             30,
             "this is a behaviour tree in XML, which is not read as a plan",
         ),
-        ("prose.txt", "Walk to the cabinet.", 30, "a VirtualHome script"),
+        (
+            "prose.txt",
+            "Walk to the cabinet.",
+            30,
+            "a plan is JSON, YAML, a script",
+        ),
     ] {
         let path = file(name, text);
         let (found, stdout, stderr) = longstep(&[&["verify", &path], &FLAT[..]].concat());

@@ -12,6 +12,10 @@ const NOTATIONS_READ: &str = "a plan is JSON or a Python literal with `task_cohe
     `plan` or `steps`, tool calls, YAML, a script, a list or table of calls such as `Open(<fridge>)`, a VirtualHome script, or what a planner \
     prints (docs/verification.md)";
 
+/// The hint for prose, which may be a refusal.
+const PROSE: &str = "show what it says to the person, or ask again: a plan is JSON, YAML, a script, or a list of calls such as \
+    `Open(<fridge>)` (docs/verification.md)";
+
 /// Reasons why a reply contains no readable plan. The reader never completes a plan and never chooses between plans.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -158,7 +162,7 @@ impl Unreadable {
         match self {
             Self::Empty => "ask again; if it stays empty, look at the model's token limit and content filter",
             Self::TooLarge { .. } | Self::TooDeep { .. } => "ask again for the plan alone",
-            Self::Refusal { .. } => "show what it says to the person, or ask again for the plan as one JSON object",
+            Self::Refusal { .. } => PROSE,
             Self::NoPlan { .. } | Self::Foreign { .. } => NOTATIONS_READ,
             Self::OnlyThoughts => "raise the limit on the length of the answer, or turn the model's thinking off",
             Self::SeveralReadings { .. } => "keep the plan that is meant, and take the other out",
