@@ -3,9 +3,9 @@
 use serde_json::{Map, Value, json};
 
 use super::tree::{DEEPEST, Lane, fold};
-use super::written::{Written, WrittenNode, WrittenStep, is_argument, is_name};
+use super::written::{Written, WrittenNode, WrittenStep, is_name};
 use super::{LaneItem, Node, StepId, Test};
-use crate::call::{Call, is_script_keyword};
+use crate::call::Call;
 use crate::json::Path;
 
 /// An error in a `task_tree`, with its path.
@@ -159,13 +159,14 @@ fn step(value: &Value, path: &Path) -> Read<WrittenStep> {
     let Ok(call) = Call::parse(&written) else {
         return wrong(&at, "should be a call such as `grasp(<cup>)`");
     };
-    if !is_name(&call.name) || is_script_keyword(&call.name) {
-        return wrong(&at, "has a name that no script can write");
+    let mut step = WrittenStep {
+        call,
+        implicit: Vec::new(),
+        explanation: String::new(),
+    };
+    if let Some(fault) = step.fault() {
+        return wrong(&at, fault);
     }
-    if !call.arguments.iter().all(|argument| is_argument(argument)) {
-        return wrong(&at, "has an argument that is no name");
-    }
-    let mut implicit = Vec::new();
     if let Some(named) = object.get("implicit") {
         let at = path.push("implicit");
         let Value::Object(named) = named else {
@@ -176,17 +177,13 @@ fn step(value: &Value, path: &Path) -> Read<WrittenStep> {
             if !is_name(name) {
                 return wrong(&at, "is no name of a parameter");
             }
-            implicit.push((name.clone(), text(value, &at)?));
+            step.implicit.push((name.clone(), text(value, &at)?));
         }
     }
-    let explanation = object
-        .get("explanation")
-        .map(|words| text(words, &path.push("explanation")));
-    Ok(WrittenStep {
-        call,
-        implicit,
-        explanation: explanation.transpose()?.unwrap_or_default(),
-    })
+    if let Some(words) = object.get("explanation") {
+        step.explanation = text(words, &path.push("explanation"))?;
+    }
+    Ok(step)
 }
 
 impl Reader {

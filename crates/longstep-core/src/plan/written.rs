@@ -2,7 +2,7 @@
 
 use super::tree::{self, Lane, Node, Rebuild, Test};
 use super::{Plan, StepId};
-use crate::call::{Call, unquoted};
+use crate::call::{Call, is_script_keyword, unquoted};
 use crate::model::{Domain, EntityId, Fact, World, state_word};
 
 /// A plan before resolution: its steps in reading order, and the tree over them.
@@ -31,6 +31,21 @@ pub struct WrittenStep {
     pub implicit: Vec<(String, String)>,
     /// Explanation of the step; may be empty.
     pub explanation: String,
+}
+
+impl WrittenStep {
+    /// Returns why no plan with a tree can have this step.
+    pub(super) fn fault(&self) -> Option<&'static str> {
+        if !is_name(&self.call.name) || is_script_keyword(&self.call.name) {
+            Some("has a name that no script can write")
+        } else if !self.call.arguments.iter().all(|argument| is_argument(argument)) {
+            Some("has an argument that is no name")
+        } else if !self.implicit.iter().all(|(name, _)| is_name(name)) {
+            Some("names a parameter with what is no name")
+        } else {
+            None
+        }
+    }
 }
 
 impl Written {

@@ -31,7 +31,7 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
         read_to = group.end;
     }
     around(text, read_to..text.len(), &mut notes);
-    Some(Ok(Found::of_steps(first.steps, first.start, notes)))
+    Some(Found::of_steps(text, first.steps, first.start, notes))
 }
 
 /// Steps that stand together: in one code block, or in one count of numbers. Places are byte offsets.

@@ -79,14 +79,30 @@ struct Found {
 }
 
 impl Found {
-    /// Creates a plan of steps one after another.
-    fn of_steps(steps: Vec<WrittenStep>, start: usize, notes: Notes) -> Self {
+    /// Creates a plan of steps one after another, which stand at `start` of the text.
+    ///
+    /// # Errors
+    ///
+    /// [`Unreadable::Malformed`] if the plan needs a tree, because steps name their parameters, and a step cannot stand in one.
+    fn of_steps(text: &str, steps: Vec<WrittenStep>, start: usize, notes: Notes) -> Result<Self, Unreadable> {
         let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
         let objects = Vec::new();
-        Self {
-            file: PlanFile::from(TaskCohesion::from_written(Written { steps, body, objects })),
-            start,
-            notes,
+        let written = Written { steps, body, objects };
+        let fault = written
+            .steps
+            .iter()
+            .find_map(|step| Some((step.call.to_string(), step.fault()?)));
+        let task_cohesion = TaskCohesion::from_written(written);
+        match fault {
+            Some((call, fault)) if task_cohesion.task_tree.is_some() => Err(Unreadable::Malformed {
+                position: Position::of(text, start),
+                message: format!("a step of this plan, `{call}`, {fault}"),
+            }),
+            _ => Ok(Self {
+                file: PlanFile::from(task_cohesion),
+                start,
+                notes,
+            }),
         }
     }
 

@@ -106,7 +106,7 @@ impl Survey {
                 Candidate::Steps { steps, path } => {
                     wrapped(&mut notes, path);
                     notes.add(LeniencyKind::Notation("a list of steps"), start);
-                    self.add(Found::of_steps(steps, start, notes));
+                    self.add(Found::of_steps(text, steps, start, notes)?);
                 }
                 Candidate::Step(step) => {
                     self.notes.append(notes);
@@ -168,7 +168,10 @@ impl Survey {
                 "objects of one step each"
             };
             notes.add(LeniencyKind::Notation(name), start);
-            self.add(Found::of_steps(steps, start, notes));
+            match Found::of_steps(text, steps, start, notes) {
+                Ok(found) => self.add(found),
+                Err(error) => return Ok(Err(error)),
+            }
         }
         match (self.plan, self.broken, self.object) {
             (

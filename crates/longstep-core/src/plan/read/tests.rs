@@ -568,6 +568,19 @@ fn tool_calls_have_a_plan_or_steps_in_their_arguments() {
 }
 
 #[test]
+fn steps_that_no_tree_can_have_are_refused() {
+    // A step with a parameter's name needs a tree, and so all steps of its plan must be able to stand in one.
+    for (bad, fault) in [
+        ("if(<cup>)", "has a name that no script can write"),
+        ("Open(<b\u{0}x>)", "has an argument that is no name"),
+    ] {
+        let message = format!("line 1, column 1: a step of this plan, `{bad}`, {fault}");
+        check(&format!("1. {bad}\n2. Grab(item = cup)"), &message);
+        check(&format!("1. Grab(item = cup)\n2. {bad}"), &message);
+    }
+}
+
+#[test]
 fn virtualhome_entities_have_the_numbers_of_their_nodes() {
     for line in [
         "[GRAB] <soap> (1.1002)",
