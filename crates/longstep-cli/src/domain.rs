@@ -66,12 +66,7 @@ fn check(name: &str, env: Option<&Path>, strict: bool, json: bool) -> Result<u8>
         output::json(&entries)?;
     } else {
         for finding in &findings {
-            let mut named = finding.clone();
-            let hint = named.diagnostic.hint.take();
-            print_line!("{} {named}", "warning:".yellow().bold());
-            if let Some(hint) = hint {
-                show::hint(&hint);
-            }
+            show::finding("warning:".yellow().bold(), &finding.named());
         }
         let verdict = match findings.len() {
             0 => "no warnings".to_owned(),

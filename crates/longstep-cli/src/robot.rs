@@ -5,7 +5,6 @@ mod environment;
 use std::path::Path;
 
 use anyhow::Result;
-use longstep_core::diagnostic::Diagnostic;
 use longstep_llm::{load_domain, read_text};
 use longstep_robot::ros2::{self, Configuration};
 
@@ -33,10 +32,10 @@ fn check(arguments: &RobotCheckArguments) -> Result<u8> {
     let configuration = parsed(&arguments.file)?;
     let checked = ros2::check(&configuration, &domain, world.as_ref());
     for finding in &checked.mismatches {
-        print(finding, &"error:".red().bold().to_string());
+        show::finding("error:".red().bold(), finding);
     }
     for finding in &checked.remarks {
-        print(finding, &"warning:".yellow().bold().to_string());
+        show::finding("warning:".yellow().bold(), finding);
     }
     let name = configuration.name().to_owned();
     if !checked.mismatches.is_empty() {
@@ -87,15 +86,6 @@ fn connection(
 
 fn parsed(path: &Path) -> Result<Configuration> {
     Ok(Configuration::parse(&path.display().to_string(), &read_text(path)?)?)
-}
-
-fn print(finding: &Diagnostic, kind: &str) {
-    let mut finding = finding.clone();
-    let hint = finding.hint.take();
-    print_line!("{kind} {finding}");
-    if let Some(hint) = hint {
-        show::hint(&hint);
-    }
 }
 
 fn plural(count: usize) -> &'static str {

@@ -1,6 +1,7 @@
 //! Answers as text for the terminal.
 
 use longstep::report::{self, Answer, Status};
+use longstep_core::diagnostic::Diagnostic;
 use longstep_core::domain::phrase;
 use longstep_core::environment::Environment;
 use longstep_core::plan::OutlineLine;
@@ -127,6 +128,16 @@ pub(crate) fn changes(before: &Environment, after: &Environment) {
             "->".dimmed(),
             or_nothing(is)
         );
+    }
+}
+
+/// Prints a finding and its hint on lines of their own; `kind` is the coloured word before it.
+pub(crate) fn finding(kind: impl std::fmt::Display, finding: &Diagnostic) {
+    let mut finding = finding.clone();
+    let own_hint = finding.hint.take();
+    print_line!("{kind} {finding}");
+    if let Some(own_hint) = own_hint {
+        hint(&own_hint);
     }
 }
 

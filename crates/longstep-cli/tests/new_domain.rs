@@ -44,6 +44,27 @@ fn pddl_of_any_origin_becomes_a_domain_that_passes() {
 }
 
 #[test]
+fn findings_and_their_hints_stand_on_lines_of_their_own() {
+    let home = home();
+    let counter = "(define (domain c) (:functions (n)) (:action add :parameters () :effect (increase (n) 1)))";
+    std::fs::write(home.path().join("counter.pddl"), counter).unwrap();
+    let ran = domain(home.path(), &["new", "mine", "--pddl", "counter.pddl"], "");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let mut lines = ran.stdout.lines();
+    assert!(
+        lines.next().unwrap().starts_with("note: counter.pddl: no goal"),
+        "{}",
+        ran.stdout
+    );
+    assert!(
+        lines.next().unwrap().starts_with("hint: give a problem"),
+        "{}",
+        ran.stdout
+    );
+    assert!(!ran.stdout.contains("\\n"), "{}", ran.stdout);
+}
+
+#[test]
 fn nothing_is_written_for_what_is_not_supported() {
     let home = home();
     let text = LAMPS.replacen("(:action switch-on", "(:process heat) (:action switch-on", 1);

@@ -87,15 +87,10 @@ fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result
     let all: Vec<(String, String)> = new.files.into_iter().chain(extra).collect();
     write_folder(folder, &all)?;
     for note in &new.notes {
-        print_line!("{} {note}", "note:".cyan().bold());
+        show::finding("note:".cyan().bold(), note);
     }
     for finding in &new.findings {
-        let mut finding = finding.clone();
-        let hint = finding.diagnostic.hint.take();
-        print_line!("{} {finding}", "warning:".yellow().bold());
-        if let Some(hint) = hint {
-            show::hint(&hint);
-        }
+        show::finding("warning:".yellow().bold(), &finding.named());
     }
     let shown = folder.display();
     print_line!(

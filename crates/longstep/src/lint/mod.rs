@@ -150,11 +150,18 @@ impl Finding {
     }
 }
 
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Finding {
+    /// Returns the finding with the name of its lint before the message.
+    pub fn named(&self) -> Diagnostic {
         let mut named = self.diagnostic.clone();
         named.message = format!("[{}] {}", self.lint.name(), named.message);
-        named.fmt(f)
+        named
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.named().fmt(f)
     }
 }
 
