@@ -137,7 +137,7 @@ class ProgramRun:
         """Answers the questions of the program."""
         for line in process.stderr:
             self.words += line
-            if "[y/n]" in line:
+            if line.rstrip().endswith(("[y/n]", "[Enter, or `no`]")):
                 answer = self.decide(line)
                 try:
                     process.stdin.write("y\n" if answer else "n\n")
