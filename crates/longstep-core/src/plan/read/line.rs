@@ -58,7 +58,7 @@ impl Line {
     /// Reads a line; none if it has no step, or words beside it that are no explanation.
     pub(super) fn read(line: &str) -> Option<Self> {
         let indentation = line.len() - line.trim_start().len();
-        let bare = line.trim();
+        let bare = untagged(line);
         let of = |form, number, steps| Self {
             form,
             indentation,
@@ -68,8 +68,16 @@ impl Line {
         };
         if let Some(row) = bare.strip_prefix('|') {
             let mut cells = row.split('|').filter_map(steps);
-            let only = cells.next()?;
-            return cells.next().is_none().then(|| of(Form::Table, None, only));
+            let mut only = cells.next()?;
+            if cells.next().is_some() {
+                return None;
+            }
+            if let [step] = &mut only[..]
+                && step.explanation.is_empty()
+            {
+                step.explanation = other_cells(row);
+            }
+            return Some(of(Form::Table, None, only));
         }
         let (form, number, rest) = marks(bare);
         if let Some((character, step)) = virtualhome(rest) {
@@ -78,9 +86,30 @@ impl Line {
                 ..of(Form::VirtualHome, number, vec![step])
             });
         }
-        let explained = || steps_behind_words(rest).filter(|_| form == Form::Number);
+        // In a line of its own, words say what several steps are: `The plan: a() -> b()`.
+        let explained = || steps_behind_words(rest).filter(|steps| form == Form::Number || steps.len() > 1);
         Some(of(form, number, steps(rest).or_else(explained)?))
     }
+}
+
+/// Takes the tags off that enclose a line: `<step>Open(<box>)</step>`.
+fn untagged(line: &str) -> &str {
+    let mut bare = line.trim();
+    while let Some((tag, inside)) = bare.strip_prefix('<').and_then(|rest| rest.split_once('>'))
+        && let Some(inside) = inside.strip_suffix(&format!("</{}>", tag.split(' ').next().unwrap_or_default()))
+    {
+        bare = inside.trim();
+    }
+    bare
+}
+
+/// Returns the cells of a row that are no call and no number, as the explanation of its step.
+fn other_cells(row: &str) -> String {
+    let cells = row.split('|').map(|cell| cell.trim_matches(is_emphasis));
+    let cells: Vec<&str> = cells
+        .filter(|cell| cell.contains(char::is_alphabetic) && steps(cell).is_none())
+        .collect();
+    cells.join("; ")
 }
 
 /// Reads the text of one step, as it stands in a list of texts: a call, a line of a VirtualHome script, or `(action argument ...)`.
@@ -154,20 +183,23 @@ fn steps(part: &str) -> Option<Vec<WrittenStep>> {
     }
     let mut steps: Vec<WrittenStep> = Vec::new();
     loop {
+        rest = &rest[receiver(rest)..];
         let length = call_length(rest)?;
         steps.push(call(&rest[..length])?);
         rest = rest[length..].trim_start_matches(is_emphasis);
-        if rest.is_empty() {
+        if is_ornament(rest) {
             return Some(steps);
         }
         let next = ["->", "→", ",", ";"].iter().find_map(|sign| rest.strip_prefix(sign));
         let next = next.map(|next| next.trim_start_matches(is_emphasis));
         match next {
-            Some(next) if call_length(next).is_some() => rest = next,
+            Some(next) if call_length(&next[receiver(next)..]).is_some() => rest = next,
             _ => break,
         }
     }
     let words = match rest.strip_prefix([',', '.']) {
+        // Words behind several steps are a sentence of their own.
+        Some(behind) if steps.len() > 1 && behind.starts_with(' ') => behind,
         Some(behind) => behind.trim().is_empty().then_some("")?,
         None => EXPLANATION_SIGNS.iter().find_map(|sign| rest.strip_prefix(sign))?,
     };
@@ -197,8 +229,34 @@ fn steps_behind_words(entry: &str) -> Option<Vec<WrittenStep>> {
     Some(steps)
 }
 
+/// Returns the length of the object whose method a call is: `robot.`.
+fn receiver(text: &str) -> usize {
+    let name = text.trim_start_matches(|c: char| c.is_alphanumeric() || matches!(c, '_' | '.'));
+    let path = &text[..text.len() - name.len()];
+    match path.rfind('.') {
+        Some(dot) if name.starts_with('(') && text.starts_with(char::is_alphabetic) => dot + 1,
+        _ => 0,
+    }
+}
+
+/// Returns true for what may stand behind a step without a meaning: nothing, `!`, a symbol, a closing tag.
+fn is_ornament(rest: &str) -> bool {
+    let mut rest = rest.trim();
+    while let Some((before, tag)) = rest.rsplit_once('<')
+        && (tag.starts_with('/') || tag.starts_with("br"))
+        && tag.ends_with('>')
+    {
+        rest = before.trim_end();
+    }
+    let is_sign = |c: char| match c.is_ascii() {
+        true => c == '!',
+        false => !c.is_alphanumeric() && !matches!(c, '\u{2026}' | '\u{2010}'..='\u{2015}' | '\u{2190}'..='\u{21ff}'),
+    };
+    rest.chars().all(is_sign)
+}
+
 /// Returns the length of the call at the beginning of a text.
-fn call_length(text: &str) -> Option<usize> {
+pub(super) fn call_length(text: &str) -> Option<usize> {
     let name = text.trim_start_matches(|c: char| c.is_alphanumeric() || matches!(c, '_' | '-'));
     let begin = text.len() - name.len();
     if !text.starts_with(char::is_alphabetic) || !name.starts_with('(') {

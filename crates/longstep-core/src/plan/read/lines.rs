@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::line::{Form, Line};
 use super::objects::beginning;
+use super::stray::{Known, may_be_steps};
 use super::unreadable::Unreadable;
 use super::{Found, around, blocks, scripts};
 use crate::call::Call;
@@ -48,6 +49,53 @@ struct Group {
     words: Vec<usize>,
     /// The character of a VirtualHome script.
     character: Option<String>,
+    /// The parts with a heading of their own: the number of steps before each, and where it begins.
+    parts: Vec<(usize, usize)>,
+}
+
+impl Group {
+    /// Returns the parts with headings as groups of their own, unless the headings are words to one step each.
+    fn split(mut self) -> Vec<Self> {
+        let ends = self.parts.iter().skip(1).map(|part| part.0).chain([self.steps.len()]);
+        let first = self.parts.first().map_or(0, |part| part.0);
+        let longest = self.parts.iter().zip(ends).map(|((begin, _), end)| end - begin).max();
+        if longest.unwrap_or(0).max(first) < 2 {
+            return vec![self];
+        }
+        let mut groups = Vec::new();
+        for (begin, start) in std::mem::take(&mut self.parts).into_iter().rev() {
+            groups.push(Self {
+                steps: self.steps.split_off(begin),
+                form: self.form,
+                start,
+                end: self.end,
+                indentation: self.indentation,
+                number: None,
+                words: Vec::new(),
+                character: self.character.clone(),
+                parts: Vec::new(),
+            });
+            self.end = start;
+        }
+        groups.push(self);
+        groups.reverse();
+        groups
+    }
+}
+
+/// Returns true for a line between parts: `---`.
+fn is_rule(line: &str) -> bool {
+    let mut signs = line.chars();
+    let first = signs.next();
+    matches!(first, Some('-' | '=' | '*' | '_')) && line.len() > 2 && signs.all(|sign| Some(sign) == first)
+}
+
+/// Returns true for a line of words that says what follows.
+fn is_heading(line: &str) -> bool {
+    let line = line.trim();
+    line.starts_with('#')
+        || line.trim_end_matches('*').ends_with([':', '\u{ff1a}'])
+        || (line.starts_with("**") && line.ends_with("**"))
 }
 
 /// The steps of a text, and what keeps them from being a plan.
@@ -65,6 +113,10 @@ struct Groups {
     cut_off: Option<usize>,
     /// True if the last line belonged to the open group.
     is_next: bool,
+    /// True behind a heading that follows a step.
+    is_headed: bool,
+    /// All lines of words.
+    said: Vec<Range<usize>>,
 }
 
 impl Groups {
@@ -83,8 +135,10 @@ impl Groups {
             at += line.len();
             while code.next_if(|part| part.end <= start).is_some() {}
             let bare = line.trim();
-            if bare.starts_with(FENCE) {
-                fence = fence.xor(Some(start));
+            if bare.starts_with(FENCE) || is_rule(bare) {
+                if !is_rule(bare) {
+                    fence = fence.xor(Some(start));
+                }
                 self.close();
             } else if bare.is_empty() {
                 self.is_next = false;
@@ -95,6 +149,7 @@ impl Groups {
                     return None;
                 }
             } else {
+                self.said.push(start..at);
                 self.add_words(line, start);
             }
         }
@@ -104,8 +159,9 @@ impl Groups {
     }
 
     fn close(&mut self) {
-        self.done.extend(self.open.take());
+        self.done.extend(self.open.take().into_iter().flat_map(Group::split));
         self.words.clear();
+        self.is_headed = false;
         self.doubtful = None;
         self.is_next = false;
     }
@@ -127,7 +183,11 @@ impl Groups {
             number: None,
             words: Vec::new(),
             character: None,
+            parts: Vec::new(),
         });
+        if std::mem::take(&mut self.is_headed) {
+            open.parts.push((open.steps.len(), place.start));
+        }
         open.steps.extend(line.steps);
         open.end = place.end;
         open.number = line.number;
@@ -147,7 +207,11 @@ impl Groups {
 
     /// Adds a line without a step: words, or an entry of the open list.
     fn add_words(&mut self, line: &str, at: usize) {
+        if may_be_steps(line) {
+            self.no_step.get_or_insert((at, beginning(line)));
+        }
         let Some(open) = &self.open else { return };
+        self.is_headed |= is_heading(line);
         let entry =
             Form::of_line(line).filter(|(form, indentation, _)| *form == open.form && *indentation == open.indentation);
         let Some((form, _, number)) = entry else {
@@ -184,6 +248,19 @@ impl Groups {
             return Some(Unreadable::CutOff {
                 position: position(text.len()),
                 opened: position(opened),
+            });
+        }
+        let known = Known::new(self.done.iter().flat_map(|group| &group.steps));
+        let said = self.said.iter().map(|words| (words.start, &text[words.clone()]));
+        let stray = said.filter_map(|(start, words)| known.stray(words).map(|(at, call)| (start + at, call)));
+        let explained = self.done.iter().flat_map(|group| {
+            let explanations = group.steps.iter().map(|step| &step.explanation);
+            explanations.filter_map(|words| known.stray(words).map(|(_, call)| (group.start, call)))
+        });
+        if let Some((at, call)) = stray.chain(explained).min_by_key(|(at, _)| *at) {
+            return Some(Unreadable::StrayCall {
+                position: position(at),
+                call: beginning(call),
             });
         }
         let calls = |group: &Group| -> Vec<(Call, Vec<(String, String)>)> {

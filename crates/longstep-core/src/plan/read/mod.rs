@@ -9,9 +9,11 @@ mod objects;
 mod scripts;
 mod shape;
 mod step_value;
+mod stray;
 #[cfg(test)]
 mod tests;
 mod thoughts;
+mod tokens;
 mod unreadable;
 mod yaml;
 
@@ -176,6 +178,7 @@ fn find(text: &str, depth: usize) -> Result<Found, Unreadable> {
         });
     }
     let (answer, thoughts) = thoughts::blanked(text);
+    let answer = thoughts::blank(&answer, &tokens::ranges(&answer));
     if thoughts.is_some() && answer.trim().is_empty() {
         return Err(Unreadable::OnlyThoughts);
     }

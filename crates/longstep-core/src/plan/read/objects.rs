@@ -103,7 +103,10 @@ impl Survey {
                     let file = shape::plan(text, node, &path, &mut notes)?;
                     self.add(Found { file, start, notes });
                 }
-                Candidate::Steps { steps, path } => {
+                Candidate::Steps { steps, ignored, path } => {
+                    for key in &ignored {
+                        notes.add_about(LeniencyKind::ExtraKey, start, path.push(&literal::shorten(key)));
+                    }
                     wrapped(&mut notes, path);
                     notes.add(LeniencyKind::Notation("a list of steps"), start);
                     self.add(Found::of_steps(text, steps, start, notes)?);
@@ -111,6 +114,19 @@ impl Survey {
                 Candidate::Step(step) => {
                     self.notes.append(notes);
                     self.steps.push((step, start));
+                }
+                Candidate::Refused { at, message } => {
+                    return Err(Unreadable::Malformed {
+                        position: Position::of(text, at),
+                        message,
+                    });
+                }
+                Candidate::NotWhole { at, key, reason } => {
+                    return Err(Unreadable::NotWhole {
+                        position: Position::of(text, at),
+                        key,
+                        reason,
+                    });
                 }
                 Candidate::Inner { found, at, path } => {
                     let found = found.map_err(|error| Unreadable::Inside {

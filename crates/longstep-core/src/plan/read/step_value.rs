@@ -101,6 +101,40 @@ const COUNT_KEYS: [&str; 9] = [
     "type",
 ];
 
+/// Keys that change what a step means: what they say cannot be left out.
+const MEANING_KEYS: [&str; 18] = [
+    "disabled",
+    "else",
+    "enabled",
+    "if",
+    "loop",
+    "negate",
+    "negated",
+    "otherwise",
+    "repeat",
+    "skip",
+    "skipped",
+    "sub_steps",
+    "substeps",
+    "then",
+    "times",
+    "unless",
+    "until",
+    "while",
+];
+
+/// Keys under which a server says why its answer ends.
+const END_KEYS: [&str; 4] = ["done_reason", "finish_reason", "status", "stop_reason"];
+
+/// What a server says there of an answer that is not whole.
+const NOT_WHOLE: [&str; 5] = [
+    "incomplete",
+    "length",
+    "max_output_tokens",
+    "max_tokens",
+    "model_context_window_exceeded",
+];
+
 /// A part of a value that may be a plan.
 pub(super) enum Candidate<'v> {
     /// An object in the paper's format.
@@ -109,8 +143,12 @@ pub(super) enum Candidate<'v> {
         path: Path,
         is_part: bool,
     },
-    /// A list whose items are all steps.
-    Steps { steps: Vec<WrittenStep>, path: Path },
+    /// A list whose items are all steps, with the keys in them that were ignored.
+    Steps {
+        steps: Vec<WrittenStep>,
+        ignored: Vec<String>,
+        path: Path,
+    },
     /// An object that is one step.
     Step(WrittenStep),
     /// A text with a plan in some notation, or with the beginning of one.
@@ -119,6 +157,10 @@ pub(super) enum Candidate<'v> {
         at: usize,
         path: Path,
     },
+    /// Steps that cannot be read without a change of their meaning.
+    Refused { at: usize, message: String },
+    /// A value whose server says that it is not whole.
+    NotWhole { at: usize, key: String, reason: String },
 }
 
 /// Returns the outermost plans and steps of a value, in its order. The value stands `depth` texts deep in the reply; `before` is
@@ -139,7 +181,43 @@ fn may_be_plan(before: &str) -> bool {
         return true;
     };
     let name = name.trim().trim_matches(['*', '`', '"']).to_lowercase();
-    name.contains(char::is_whitespace) || LIST_KEYS.contains(&name.as_str())
+    name.contains(char::is_whitespace) || is_list_key(&name)
+}
+
+/// Returns a key in lower case with `_` between its words: `actionName` is `action_name`.
+fn snake_case(key: &str) -> String {
+    let mut written = String::with_capacity(key.len() + 4);
+    let mut before = '_';
+    for letter in key.chars() {
+        if letter.is_uppercase() && before.is_lowercase() {
+            written.push('_');
+        }
+        match letter {
+            '-' | ' ' => written.push('_'),
+            _ => written.extend(letter.to_lowercase()),
+        }
+        before = letter;
+    }
+    written
+}
+
+/// Returns true for one of the keys, as it is or with words before it: `executable_plan`, `actionParameters`.
+fn ends_with_key(key: &str, keys: &[&str]) -> bool {
+    let key = snake_case(key);
+    let last = key.rsplit('_').next().unwrap_or_default();
+    keys.contains(&key.as_str()) || keys.contains(&last)
+}
+
+fn is_list_key(key: &str) -> bool {
+    ends_with_key(key, &LIST_KEYS)
+}
+
+fn has_key(member: &Member, keys: &[&str]) -> bool {
+    keys.contains(&snake_case(&member.key).as_str())
+}
+
+fn is_arguments(member: &Member) -> bool {
+    ends_with_key(&member.key, &ARGUMENT_KEYS)
 }
 
 struct Search<'v> {
@@ -161,8 +239,7 @@ impl<'v> Search<'v> {
         match &node.value {
             Value::List(items) => {
                 if let Some(steps) = step_list(items, is_plan) {
-                    let path = path.clone();
-                    self.found.push(Candidate::Steps { steps, path });
+                    self.steps(steps, &items.iter().collect::<Vec<_>>(), path);
                     return;
                 }
                 for (index, item) in items.iter().enumerate() {
@@ -172,18 +249,49 @@ impl<'v> Search<'v> {
             Value::Object(members) if is_environment(members) => {}
             Value::Object(members) => {
                 if let Some(step) = step_of_object(members) {
-                    self.found.push(Candidate::Step(step));
+                    self.found.push(match fault_of_steps(&[node]) {
+                        Some((at, message)) => Candidate::Refused { at, message },
+                        None => Candidate::Step(step),
+                    });
                     return;
                 }
-                let spoken = |member: &&Member| EXPLANATION_KEYS.contains(&member.key.as_str());
+                if let Some(items) = counted(members)
+                    && let Some(steps) = items.iter().map(|item| step(item, true)).collect()
+                {
+                    self.steps(steps, &items, path);
+                    return;
+                }
+                let spoken = |member: &&Member| has_key(member, &EXPLANATION_KEYS);
                 for Member { key, node, .. } in members.iter().filter(|member| !spoken(member)) {
-                    let is_plan = LIST_KEYS.contains(&key.as_str());
+                    if let Value::Text(reason) = &node.value
+                        && END_KEYS.contains(&snake_case(key).as_str())
+                        && NOT_WHOLE.contains(&reason.to_lowercase().as_str())
+                    {
+                        self.found.push(Candidate::NotWhole {
+                            at: node.at,
+                            key: key.clone(),
+                            reason: reason.clone(),
+                        });
+                    }
+                    let is_plan = is_list_key(key);
                     self.value(node, &path.push(&literal::shorten(key)), is_plan);
                 }
             }
             Value::Text(text) => self.text(text, node.at, path),
             Value::Null | Value::Bool(_) | Value::Number(_) => {}
         }
+    }
+
+    /// Adds the steps of a list, which its items are.
+    fn steps(&mut self, steps: Vec<WrittenStep>, items: &[&ValueNode], path: &Path) {
+        self.found.push(match fault_of_steps(items) {
+            Some((at, message)) => Candidate::Refused { at, message },
+            None => Candidate::Steps {
+                steps,
+                ignored: ignored_keys(items),
+                path: path.clone(),
+            },
+        });
     }
 
     /// Searches a text of several lines or with brackets, as servers and frameworks put replies into JSON.
@@ -225,21 +333,114 @@ fn step_list(items: &[ValueNode], is_plan: bool) -> Option<Vec<WrittenStep>> {
     if items.is_empty() {
         return None;
     }
-    let step = |item: &ValueNode| match &item.value {
+    items.iter().map(|item| step(item, is_plan)).collect()
+}
+
+/// Returns the step that a value is; a text, a tuple and an object of one key are steps in a plan only.
+fn step(item: &ValueNode, is_plan: bool) -> Option<WrittenStep> {
+    match &item.value {
         Value::Object(members) => step_of_object(members).or_else(|| step_of_pair(members).filter(|_| is_plan)),
         Value::Text(text) if is_plan => step_of_text(text),
         Value::List(parts) if is_plan => step_of_tuple(parts),
         _ => None,
-    };
-    items.iter().map(step).collect()
+    }
 }
+
+/// Returns the values of an object whose keys count from 1: `{"step_1": ..., "step_2": ...}`.
+fn counted(members: &[Member]) -> Option<Vec<&ValueNode>> {
+    let mut values = Vec::with_capacity(members.len());
+    for (index, Member { key, node, .. }) in members.iter().enumerate() {
+        let number = key.trim_start_matches(|c: char| !c.is_ascii_digit());
+        if number.parse() != Ok(index + 1) {
+            return None;
+        }
+        values.push(node);
+    }
+    (!values.is_empty()).then_some(values)
+}
+
+/// Returns true for a member of a step that is neither its action nor an argument of it, and that a plan has no place for.
+fn is_beside_step(members: &[Member], member: &Member) -> bool {
+    let is_given =
+        |own: &Member| is_arguments(own) || matches!(&own.node.value, Value::Text(text) if text.contains('('));
+    let keys = [&ACTION_KEYS[..], &NAME_KEYS, &EXPLANATION_KEYS, &COUNT_KEYS];
+    members.iter().any(is_given) && !is_arguments(member) && !keys.iter().any(|keys| has_key(member, keys))
+}
+
+/// Returns the first thing about the steps of a list that cannot be left out: keys that change what a step means, steps inside of
+/// steps, and numbers in another order.
+fn fault_of_steps(items: &[&ValueNode]) -> Option<(usize, String)> {
+    let mut last: Option<(&str, f64)> = None;
+    for item in items {
+        let Value::Object(members) = &item.value else { continue };
+        for member in members {
+            let Member { key, node, .. } = member;
+            if let Value::Number(digits) = &node.value
+                && has_key(member, &COUNT_KEYS)
+                && let Ok(number) = digits.parse::<f64>()
+            {
+                if last.is_some_and(|(name, before)| name == key && number <= before) {
+                    let message = format!("`{key}` is {digits}, so this step does not follow the one before it");
+                    return Some((node.at, message));
+                }
+                last = Some((key, number));
+            }
+            if has_key(member, &MEANING_KEYS) && !says_nothing(key, &node.value) {
+                return Some((
+                    node.at,
+                    format!("`{key}` changes what a step means, and a list of steps cannot say it"),
+                ));
+            }
+            let has_steps = |items: &[ValueNode]| step_list(items, true).is_some();
+            if is_beside_step(members, member)
+                && matches!(&node.value, Value::List(items) if has_steps(items))
+                && snake_case(key) != "preconditions"
+            {
+                return Some((node.at, format!("there are steps in a step, under `{key}`")));
+            }
+        }
+    }
+    None
+}
+
+/// Returns true if the value of a key that changes a step's meaning leaves it as it is.
+fn says_nothing(key: &str, value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::Bool(is_set) => *is_set == (snake_case(key) == "enabled"),
+        Value::Number(digits) => digits == "1" || (digits == "0" && !matches!(key, "times" | "repeat")),
+        Value::Text(text) => text.trim().is_empty(),
+        Value::List(items) => items.is_empty(),
+        Value::Object(members) => members.is_empty(),
+    }
+}
+
+/// Returns the keys of steps that have no place in a plan.
+fn ignored_keys(items: &[&ValueNode]) -> Vec<String> {
+    let mut ignored: Vec<String> = Vec::new();
+    for item in items {
+        let Value::Object(members) = &item.value else { continue };
+        for member in members {
+            let is_known = ignored.contains(&member.key) || has_key(member, &MEANING_KEYS);
+            if !is_known && is_beside_step(members, member) && member.node.value != Value::Null {
+                ignored.push(member.key.clone());
+            }
+        }
+    }
+    ignored.truncate(MOST_IGNORED);
+    ignored
+}
+
+/// The number of ignored keys that are told.
+const MOST_IGNORED: usize = 8;
 
 /// Returns the step of an object with an action and its arguments.
 fn step_of_object(members: &[Member]) -> Option<WrittenStep> {
-    let has_key = |member: &Member, keys: &[&str]| keys.contains(&member.key.as_str());
-    let given = members.iter().find(|member| has_key(member, &ARGUMENT_KEYS));
+    let given = members.iter().find(|member| is_arguments(member));
     let step_with = |keys: &[&str]| {
-        let mut keyed = members.iter().filter(|member| has_key(member, keys));
+        let mut keyed = members
+            .iter()
+            .filter(|member| has_key(member, keys) && !is_arguments(member));
         keyed.find_map(|member| match &member.node.value {
             Value::Text(text) => Some((member, bare_step(text).or_else(|| step_of_text(text))?)),
             _ => None,

@@ -89,6 +89,24 @@ pub enum Unreadable {
         /// Beginning of the entry.
         text: String,
     },
+    /// The words around steps have a call that is none of them.
+    #[error("{}: `{call}` stands outside of the steps of the plan and is none of them", at(.position))]
+    StrayCall {
+        /// Position of the call.
+        position: Position,
+        /// The call, or its beginning.
+        call: String,
+    },
+    /// A server says that the answer was cut off.
+    #[error("{}: the server says that this answer is not whole: `{key}` is `{reason}`", at(.position))]
+    NotWhole {
+        /// Position of the value.
+        position: Position,
+        /// The key of the reason.
+        key: String,
+        /// The reason.
+        reason: String,
+    },
     /// A text inside of the reply has a plan that cannot be read.
     #[error("{}: in {}, {error}", at(.position), text_at(.path))]
     Inside {
@@ -167,9 +185,12 @@ impl Unreadable {
             Self::OnlyThoughts => "raise the limit on the length of the answer, or turn the model's thinking off",
             Self::SeveralReadings { .. } => "keep the plan that is meant, and take the other out",
             Self::NoStep { .. } => "write a call of an action there, as in `Open(<fridge>)`, or take the entry out",
+            Self::StrayCall { .. } => "write it as a step on a line of its own, or take it out",
             Self::Inside { error, .. } => error.hint(),
-            Self::CutOff { .. } => "raise the limit on the length of the answer, or ask for fewer steps at a time",
-            Self::SeveralPlans { .. } => "ask which of the plans is meant, or ask again for one object",
+            Self::CutOff { .. } | Self::NotWhole { .. } => {
+                "raise the limit on the length of the answer, or ask for fewer steps at a time"
+            }
+            Self::SeveralPlans { .. } => "ask which of the plans is meant, or put all steps into one list",
             Self::Malformed { .. } => "ask again for strict JSON, and say what is wrong",
             Self::WrongShape { .. } => "ask again, and say what the value should be",
             Self::Tree { .. } => "ask again for a tree as docs/schema/plan.schema.json has it, and say what is wrong",

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use rustc_hash::FxHashSet;
 use saphyr_parser::{Event, Parser, ScalarStyle};
 
 use super::objects::plan_of_value;
@@ -118,10 +119,16 @@ fn value(text: &str, part: Range<usize>) -> Result<Option<ValueNode>, Unreadable
                     at,
                     value: Value::List(items),
                 },
-                Some(Open::Object(at, members, _)) => ValueNode {
-                    at,
-                    value: Value::Object(members),
-                },
+                Some(Open::Object(at, members, _)) => {
+                    let mut keys = FxHashSet::default();
+                    if let Some(again) = members.iter().find(|member| !keys.insert(member.key.as_str())) {
+                        return Err(malformed(again.at, "this key stands there twice"));
+                    }
+                    ValueNode {
+                        at,
+                        value: Value::Object(members),
+                    }
+                }
                 None => continue,
             },
             _ => continue,
