@@ -121,8 +121,10 @@ fn draft(path: &Path, text: &str) -> Result<plan::Draft> {
 /// The text of a plan file, which may also be what a planner printed; its names decide that when its world is known.
 pub(crate) struct PlanText {
     draft: Result<plan::Draft>,
-    /// True if the text may be the plan of a planner.
-    is_printed: bool,
+    /// Who may have written the text, if it may be the plan of a planner.
+    author: Option<pddl::Author>,
+    /// True if the text has steps that are no plan, whoever wrote it.
+    is_refused: bool,
     pub(crate) shown: String,
     pub(crate) text: String,
 }
@@ -131,12 +133,14 @@ impl PlanText {
     pub(crate) fn read(path: &Path, domain: &longstep_core::domain::Domain) -> Result<Self> {
         let text = read_text(path)?;
         let draft = draft(path, &text);
-        let is_printed = pddl::is_plan(domain, &text);
+        let author = pddl::author_of_plan(domain, &text);
+        let is_refused = matches!(plan::read(&text), Err(error) if error.has_steps());
         match draft {
-            Err(error) if !is_printed => Err(error),
+            Err(error) if author.is_none() => Err(error),
             draft => Ok(Self {
                 draft,
-                is_printed,
+                author,
+                is_refused,
                 shown: path.display().to_string(),
                 text,
             }),
@@ -155,11 +159,16 @@ impl PlanText {
 
     /// Returns the plan with notes for a person.
     pub(crate) fn for_world(self, world: &World) -> Result<(plan::Draft, Vec<String>)> {
-        if !self.is_printed {
+        let is_planners = self.author == Some(pddl::Author::Planner);
+        if self.author.is_none() || (self.is_refused && !is_planners) {
             return Ok((self.draft?, Vec::new()));
         }
         let printed = printed_plan(world, &self.shown, &self.text);
-        let Ok(draft) = self.draft else { return printed };
+        let draft = match self.draft {
+            Ok(draft) => draft,
+            Err(error) if printed.is_err() && !is_planners => return Err(error),
+            Err(_) => return printed,
+        };
         let own = plan::resolve(world, &draft.file.task_cohesion);
         let Ok((other, notes)) = printed else {
             return Ok((draft, Vec::new()));

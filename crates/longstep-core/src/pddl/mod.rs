@@ -34,6 +34,6 @@ mod write;
 
 pub use ground::GroundTask;
 pub use names::object_names;
-pub use plan::{ForeignPlan, is_plan, read_plan, write_plan};
+pub use plan::{Author, ForeignPlan, author_of_plan, read_plan, write_plan};
 pub use problem::{Problem, read_problem, read_start};
 pub use write::{WriteError, write_goal, write_problem};

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::object_names;
-use super::plan_lines::{Line, Lines};
+use super::plan_lines::{Form, Line, Lines};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use crate::model::{Domain, EntityId, World};
 use crate::plan::Step;
@@ -34,18 +34,32 @@ pub struct ForeignPlan {
     pub notes: Vec<String>,
 }
 
-/// Returns true if a text may be the plan of a planner: it has no JSON, and most of its lines, or some with the names of actions of
-/// this domain, are steps. A plan without steps has comments only.
-pub fn is_plan(domain: &Domain, text: &str) -> bool {
+/// Who may have written a text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Author {
+    /// A planner: the text has steps as only planners write them.
+    Planner,
+    /// A planner, a person or a model: all of its steps are written `move(a, b)`.
+    Anybody,
+}
+
+/// Returns the author of a text that may be the plan of a planner: it has no JSON, and most of its lines, or some with the names of
+/// actions of this domain, are steps. A plan without steps has comments only.
+pub fn author_of_plan(domain: &Domain, text: &str) -> Option<Author> {
     if text.contains('{') || text.trim_start().starts_with(['[', '<']) {
-        return false;
+        return None;
     }
     let lines = Lines::read(text, |word| is_action(domain, word));
     let known = |line: &Line| is_action(domain, &line.words[0].text);
     let filled = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with(';');
     let (steps, filled) = (lines.steps.len(), text.lines().filter(filled).count());
     let is_empty_plan = filled == 0 && text.contains(';');
-    is_empty_plan || lines.steps.iter().any(known) || (steps > 0 && 2 * steps > filled)
+    let is_plan = is_empty_plan || lines.steps.iter().any(known) || (steps > 0 && 2 * steps > filled);
+    let is_call = |line: &Line| line.form == Form::Call && line.start.is_none();
+    is_plan.then(|| match steps > 0 && lines.steps.iter().all(is_call) {
+        true => Author::Anybody,
+        false => Author::Planner,
+    })
 }
 
 fn is_action(domain: &Domain, word: &str) -> bool {
@@ -53,14 +67,16 @@ fn is_action(domain: &Domain, word: &str) -> bool {
 }
 
 /// Parses the plan of a planner for this world: steps as `(move a b)`, with times and durations, as `move(a, b)` or as
-/// `step 0: MOVE A B`, a line each. Comments, headings and the rest of a log are skipped; of several plans the last one counts.
+/// `step 0: MOVE A B`, a line each. Comments and the log before and behind the steps are skipped; of several plans that a planner
+/// announced the last one counts.
 /// Steps with times are taken one after another in the order in which they begin.
 ///
 /// Applicability is not checked; see [`crate::verify::check`].
 ///
 /// # Errors
 ///
-/// All unknown actions and objects, wrong numbers of arguments and arguments of the wrong type, with their positions; no step.
+/// All unknown actions and objects, wrong numbers of arguments and arguments of the wrong type, and lines between the steps that are
+/// none, with their positions; no step.
 pub fn read_plan(world: &World, file: &str, text: &str) -> Result<ForeignPlan, Diagnostics> {
     let domain = world.domain();
     let lines = Lines::read(text, |word| is_action(domain, word));
@@ -79,6 +95,10 @@ pub fn read_plan(world: &World, file: &str, text: &str) -> Result<ForeignPlan, D
     let mut steps = Vec::with_capacity(lines.steps.len());
     let misfit = |position: &Position| Diagnostic::at(file, *position, "expected `(action argument ...)`");
     let mut misfits: Vec<Diagnostic> = lines.misfits.iter().map(misfit).collect();
+    misfits.extend(lines.between.iter().map(|position| {
+        Diagnostic::at(file, *position, "this line stands between steps and is none")
+            .hint("take it out, or begin it with `;`, which makes it a comment")
+    }));
     for Line { words, .. } in &lines.steps {
         let Some((head, arguments)) = words.split_first() else {
             continue;
@@ -141,14 +161,6 @@ pub fn read_plan(world: &World, file: &str, text: &str) -> Result<ForeignPlan, D
             "steps of this plan are under way at the same time; it was read as steps one after another, in the order in which they begin"
                 .to_owned(),
         );
-    }
-    if let Some(first) = lines.skipped.first() {
-        let line = text.lines().nth(first - 1).unwrap_or_default().trim();
-        let shown: String = line.chars().take(60).collect();
-        notes.push(format!(
-            "{} line(s) between the steps are no steps and were left out; the first is line {first}: {shown}",
-            lines.skipped.len()
-        ));
     }
     Ok(ForeignPlan { steps, notes })
 }

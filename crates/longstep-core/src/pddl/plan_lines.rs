@@ -13,9 +13,23 @@ pub(super) struct Word {
     pub(super) position: Position,
 }
 
+/// How a step is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    /// `(move a b)`.
+    Bracketed,
+    /// `move(a, b)`, as people and models write it too.
+    Call,
+    /// `step 0: MOVE A B`.
+    Counted,
+    /// `move a b (1)`.
+    Priced,
+}
+
 /// A line that is a step.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Line {
+    pub(super) form: Form,
     /// The name of the action and its arguments.
     pub(super) words: Vec<Word>,
     /// When it begins; none in a plan without times.
@@ -33,18 +47,24 @@ pub(super) struct Lines {
     pub(super) misfits: Vec<Position>,
     /// True if two steps are under way at the same time.
     pub(super) overlaps: bool,
-    /// The lines between its steps that are none, by number.
-    pub(super) skipped: Vec<usize>,
+    /// The lines between its steps that are none.
+    pub(super) between: Vec<Position>,
     /// Number of plans before this one; planners print each better plan behind the last one.
     pub(super) earlier: usize,
 }
 
 impl Lines {
     /// Reads the last plan of a text. `is_action` decides whether a word, in lower case, is the name of an action: a step without
-    /// any bracket is one only then.
+    /// brackets around it is one only then, or if another step of the text has its form and such a name.
     pub(super) fn read(text: &str, is_action: impl Fn(&str) -> bool) -> Self {
+        let named = [Form::Call, Form::Counted, Form::Priced].map(|form| {
+            let mut lines = text.lines().map(|line| Reader::new(line, 1).line(&is_action, &[]));
+            lines
+                .any(|found| matches!(found, Found::Step(step) if step.form == form))
+                .then_some(form)
+        });
+        let forms: Vec<Form> = named.into_iter().flatten().collect();
         let mut plans = vec![Self::default()];
-        let mut counted = false;
         // Lines that are between two steps if another step follows.
         let mut behind = Vec::new();
         for (index, line) in text.lines().enumerate() {
@@ -54,16 +74,15 @@ impl Lines {
             }
             let Some(plan) = plans.last_mut() else { continue };
             let reader = Reader::new(line, index + 1);
-            match reader.line(counted, &is_action) {
+            match reader.line(&is_action, &forms) {
                 Found::Step(step) => {
-                    counted |= step.start.is_some();
                     plan.steps.push(step);
-                    plan.skipped.append(&mut behind);
+                    plan.between.append(&mut behind);
                 }
                 Found::Misfit(position) => plan.misfits.push(position),
-                Found::Nothing if line.trim().is_empty() || line.trim_start().starts_with([';', '#', '`']) => {}
+                Found::Nothing if line.trim().is_empty() || line.trim_start().starts_with([';', '#']) => {}
                 Found::Nothing if plan.steps.is_empty() => {}
-                Found::Nothing => behind.push(index + 1),
+                Found::Nothing => behind.push(Reader::new(line, index + 1).position(0)),
             }
         }
         plans.retain(|plan| !plan.steps.is_empty() || !plan.misfits.is_empty());
@@ -155,8 +174,8 @@ impl<'a> Reader<'a> {
         Some(number)
     }
 
-    /// Reads the line; `counted` says that steps before it had numbers.
-    fn line(mut self, counted: bool, is_action: &impl Fn(&str) -> bool) -> Found {
+    /// Reads the line; a step in one of `forms` may have any name.
+    fn line(mut self, is_action: &impl Fn(&str) -> bool, forms: &[Form]) -> Found {
         self.skip(0);
         if self.rest.starts_with("- ") || self.rest.starts_with("* ") {
             self.skip(2);
@@ -181,48 +200,63 @@ impl<'a> Reader<'a> {
                 }
                 _ => return Found::Misfit(position),
             },
-            None => return self.bare(start, counted || is_counted || is_listed, is_action),
+            None => return self.bare(start, is_counted || is_listed, is_action, forms),
         };
         let words = self.words(inside, &[]);
         match words.is_empty() {
             true => Found::Misfit(position),
-            false => self.step(words, start, behind),
+            false => self.step(Form::Bracketed, words, start, behind),
         }
     }
 
     /// Reads a step without brackets, or with brackets behind its name.
-    fn bare(self, start: Option<f64>, is_counted: bool, is_action: &impl Fn(&str) -> bool) -> Found {
+    fn bare(self, start: Option<f64>, is_counted: bool, is_action: &impl Fn(&str) -> bool, forms: &[Form]) -> Found {
         let end = |c: char| c.is_whitespace() || matches!(c, '(' | ',' | ':');
         let name = self.rest.split(end).next().unwrap_or_default();
-        if !is_action(&name.to_ascii_lowercase()) {
+        let is_named = is_action(&name.to_ascii_lowercase());
+        let begins = name.starts_with(char::is_alphabetic);
+        if !is_named && (!begins || forms.is_empty()) {
             return Found::Nothing;
         }
+        let may_be = |form: Form, is_whole: bool| is_named || (is_whole && forms.contains(&form));
         let behind_name = self.rest[name.len()..].trim_start();
+        let is_number = |text: &str| !text.is_empty() && text.bytes().all(|c| c.is_ascii_digit());
         if let Some(arguments) = behind_name.strip_prefix('(')
             && let Some((arguments, behind)) = arguments.split_once(')')
         {
             // The cost of a step of Fast Downward's own output.
-            if !arguments.is_empty()
-                && arguments.bytes().all(|c| c.is_ascii_digit())
-                && self.rest[name.len()..].starts_with(' ')
-            {
+            let is_cost = is_number(arguments) && self.rest[name.len()..].starts_with(' ');
+            if is_cost && may_be(Form::Priced, behind.trim().is_empty()) {
                 let words = self.words(name, &[]);
-                return self.step(words, start, behind);
+                return self.step(Form::Priced, words, start, behind);
             }
-            let inside = &self.rest[..self.rest.len() - behind.len() - 1];
-            let words = self.words(inside, &['(', ',', ')']);
-            return self.step(words, start, behind);
+            let is_joined = self.rest[name.len()..].starts_with('(');
+            let is_whole = is_joined && behind.trim_matches(['`', '"', '\'', ';', ',', '.', ' ']).is_empty();
+            return match may_be(Form::Call, is_whole) {
+                true => {
+                    let inside = &self.rest[..self.rest.len() - behind.len() - 1];
+                    let words = self.words(inside, &['(', ',', ')']);
+                    self.step(Form::Call, words, start, behind)
+                }
+                false => Found::Nothing,
+            };
         }
         let (words, cost) = match self.rest.rsplit_once('(') {
             Some((words, cost)) => (words, Some(cost)),
             None => (self.rest, None),
         };
-        let is_cost = |cost: &str| cost.strip_suffix(')').is_some_and(|cost| cost.parse::<f64>().is_ok());
-        if !cost.map_or(is_counted || start.is_some(), is_cost) {
+        let form = match cost {
+            Some(cost) if cost.strip_suffix(')').is_some_and(|cost| cost.parse::<f64>().is_ok()) => Form::Priced,
+            Some(_) => return Found::Nothing,
+            // Behind the first step, `1: PICK-UP C` counts too.
+            None if is_counted || start.is_some() => Form::Counted,
+            None => return Found::Nothing,
+        };
+        if !may_be(form, true) {
             return Found::Nothing;
         }
         let words = self.words(words.split('[').next().unwrap_or_default(), &[]);
-        self.step(words, start, "")
+        self.step(form, words, start, "")
     }
 
     /// Splits the words of a part of the line.
@@ -244,10 +278,11 @@ impl<'a> Reader<'a> {
         words
     }
 
-    fn step(&self, words: Vec<Word>, start: Option<f64>, behind: &str) -> Found {
+    fn step(&self, form: Form, words: Vec<Word>, start: Option<f64>, behind: &str) -> Found {
         let behind = behind.trim_start();
         let duration = behind.strip_prefix('[').and_then(|rest| rest.split_once(']'));
         Found::Step(Line {
+            form,
             words,
             start,
             duration: duration.and_then(|(number, _)| number.trim_start_matches("D:").trim().parse().ok()),
@@ -297,6 +332,11 @@ mod tests {
                 "Rescheduled Plan:\n0.1: (rest) [1]\nSolution with original makespan 2 found.\nRescheduled Makespan   : 1\n0.1: (rest) [1]",
                 "rest",
             ),
+            // Beside a step with a known name, one of the same form with another name is a step too.
+            ("move(a, b)\nscan(c)\nThe scan(c) is last.", "move a b; scan c"),
+            ("step 0: MOVE A B\n 1: SCAN C\nscan it", "move a b; scan c"),
+            ("move a b (1)\nscan c (1)\nPlan cost (2): 7", "move a b; scan c"),
+            ("scan(c)\nfetch(d)", ""),
             ("The robot should move carefully.\nIt can rest.\nmove it", ""),
             ("", ""),
         ] {

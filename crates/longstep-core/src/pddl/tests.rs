@@ -131,7 +131,9 @@ fn mistakes_in_plans_are_told_with_their_place() {
          plan:3:8: `low` is no thing\n\
          plan:3:12: `cup` is no place\n\
          plan:4:2: `carry` takes 3 argument(s), not 1\n\
-         plan:5:2: unknown action `bury`"
+         plan:5:2: unknown action `bury`\n\
+         plan:6:1: this line stands between steps and is none\n  \
+         hint: take it out, or begin it with `;`, which makes it a comment"
     );
 }
 
@@ -147,10 +149,7 @@ fn what_was_assumed_about_a_plan_is_told() {
             "0: (rest) [2]\n1: (rest) [2]",
             "steps of this plan are under way at the same time; it was read as steps one after another, in the order in which they begin",
         ),
-        (
-            "(rest)\nhm\n(rest)\nfine",
-            "1 line(s) between the steps are no steps and were left out; the first is line 2: hm",
-        ),
+        ("hm\n(rest)\n; hm\n(rest)\nfine", ""),
     ] {
         assert_eq!(read(plan).unwrap(), (2, expected.to_owned()), "{plan}");
     }
@@ -159,6 +158,10 @@ fn what_was_assumed_about_a_plan_is_told() {
         read(two).unwrap(),
         (1, "the file has 2 plans; the last one was taken".to_owned())
     );
+    for between in ["hm", "Plan B:", "```\n```"] {
+        let error = read(&format!("(rest)\n{between}\n(rest)")).unwrap_err().to_string();
+        assert!(error.starts_with("plan:2:1: this line stands between steps"), "{error}");
+    }
     assert!(read("nothing here").unwrap_err().to_string().contains("no step"));
 }
 

@@ -203,7 +203,11 @@ fn steps(part: &str) -> Option<Vec<WrittenStep>> {
         Some(behind) => behind.trim().is_empty().then_some("")?,
         None => EXPLANATION_SIGNS.iter().find_map(|sign| rest.strip_prefix(sign))?,
     };
-    let words = words.trim().trim_end_matches(['*', '`', ')']).trim();
+    let words = words.trim().trim_end_matches(['*', '`']).trim();
+    let words = match rest.starts_with('(') {
+        true => words.strip_suffix(')').unwrap_or(words),
+        false => words,
+    };
     steps.last_mut()?.explanation = words.to_owned();
     Some(steps)
 }

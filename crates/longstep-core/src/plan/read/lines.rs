@@ -148,6 +148,9 @@ impl Groups {
                 if !bare.starts_with('#') {
                     return None;
                 }
+                if may_be_steps(bare) {
+                    self.no_step.get_or_insert((start, beginning(bare)));
+                }
             } else {
                 self.said.push(start..at);
                 self.add_words(line, start);

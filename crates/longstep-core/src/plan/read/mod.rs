@@ -3,6 +3,8 @@
 //! The reader is lenient about form and lists every leniency; it is strict about content and guesses nothing. Each notation has one
 //! reader ([`NOTATIONS`]); a text that two of them read differently is refused. Strict JSON produces no leniencies.
 
+mod agent;
+mod columns;
 mod line;
 mod lines;
 mod objects;
@@ -133,7 +135,7 @@ struct Notation {
     find: fn(&str) -> Option<Result<Found, Unreadable>>,
 }
 
-const NOTATIONS: [Notation; 3] = [
+const NOTATIONS: [Notation; 4] = [
     Notation {
         name: "a script",
         find: scripts::find,
@@ -141,6 +143,10 @@ const NOTATIONS: [Notation; 3] = [
     Notation {
         name: "a list of calls",
         find: lines::find,
+    },
+    Notation {
+        name: "a table with columns",
+        find: columns::find,
     },
     Notation {
         name: "YAML",
@@ -196,6 +202,10 @@ fn quoted(text: &str) -> Option<String> {
 }
 
 fn find_in_answer(text: &str, depth: usize) -> Result<Found, Unreadable> {
+    // Its inputs are objects, which are no plans by themselves.
+    if let Some(found) = agent::find(text) {
+        return found;
+    }
     let survey = match objects::survey(text, depth) {
         // Without any plan key, the broken object was not meant as a plan in JSON.
         Err(error) if PLAN_KEYS.iter().any(|key| text.contains(key)) => return Err(error),
@@ -224,6 +234,7 @@ fn find_in_answer(text: &str, depth: usize) -> Result<Found, Unreadable> {
         .filter_map(|notation| Some((notation.name, (notation.find)(&outside)?)));
     readings.extend(others);
     if readings.is_empty()
+        && !matches!(rest, Some(Unreadable::CutOff { .. } | Unreadable::Malformed { .. }))
         && let Some(what) = foreign(text)
     {
         return Err(Unreadable::Foreign { what });

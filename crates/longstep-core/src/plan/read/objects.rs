@@ -16,6 +16,8 @@ pub(super) struct Survey {
     plan: Option<FirstPlan>,
     /// Objects that are one step each.
     steps: Vec<(WrittenStep, usize)>,
+    /// The first list of steps that may be no plan to carry out.
+    unsure: Option<(Vec<WrittenStep>, usize)>,
     /// The first malformed object that is not known to be a plan: its start and the fault.
     pub(super) broken: Option<(usize, Fault)>,
     /// Start of the first well-formed object.
@@ -103,7 +105,14 @@ impl Survey {
                     let file = shape::plan(text, node, &path, &mut notes)?;
                     self.add(Found { file, start, notes });
                 }
-                Candidate::Steps { steps, ignored, path } => {
+                Candidate::Steps {
+                    steps, is_sure: false, ..
+                } => {
+                    self.unsure.get_or_insert((steps, start));
+                }
+                Candidate::Steps {
+                    steps, ignored, path, ..
+                } => {
                     for key in &ignored {
                         notes.add_about(LeniencyKind::ExtraKey, start, path.push(&literal::shorten(key)));
                     }
@@ -188,6 +197,12 @@ impl Survey {
                 Ok(found) => self.add(found),
                 Err(error) => return Ok(Err(error)),
             }
+        }
+        if let (Some(plan), Some((steps, start))) = (&mut self.plan, self.unsure)
+            && Found::of_steps(text, steps, start, Notes::default()).is_ok_and(|other| !other.has_steps_of(&plan.found))
+        {
+            plan.count += 1;
+            plan.other.get_or_insert(start);
         }
         match (self.plan, self.broken, self.object) {
             (

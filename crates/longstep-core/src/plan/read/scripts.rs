@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::objects::beginning;
 use super::unreadable::Unreadable;
 use super::{Block, Found, around, blocks};
 use crate::diagnostic::Position;
@@ -58,6 +59,17 @@ fn fenced(text: &str, blocks: &[Block]) -> Result<Found, Unreadable> {
 }
 
 fn part(text: &str, inside: Range<usize>) -> Result<Written, Unreadable> {
+    let mut at = inside.start;
+    for line in text[inside.clone()].split_inclusive('\n') {
+        let comment = line.trim_start().strip_prefix('#').map(str::trim_start);
+        if comment.is_some_and(|words| words.starts_with("...") || words.starts_with('\u{2026}')) {
+            return Err(Unreadable::NoStep {
+                position: Position::of(text, at + line.len() - line.trim_start().len()),
+                text: beginning(line),
+            });
+        }
+        at += line.len();
+    }
     script::read_part(text, inside).map_err(|error| Unreadable::Script { inside: None, error })
 }
 

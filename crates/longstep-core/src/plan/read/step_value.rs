@@ -13,7 +13,7 @@ use crate::literal::{self, Member, Value, ValueNode};
 use crate::plan::WrittenStep;
 
 /// Keys under which a list of texts is a list of steps. Under other keys, a list of calls may be goals or states.
-const LIST_KEYS: [&str; 20] = [
+const LIST_KEYS: [&str; 21] = [
     "action_list",
     "action_plan",
     "action_sequence",
@@ -21,6 +21,7 @@ const LIST_KEYS: [&str; 20] = [
     "answer",
     "calls",
     "commands",
+    "executable_plan",
     "execution_plan",
     "function_calls",
     "output",
@@ -145,6 +146,8 @@ pub(super) enum Candidate<'v> {
     },
     /// A list whose items are all steps, with the keys in them that were ignored.
     Steps {
+        /// False if its key has words that may say that this is no plan to carry out: `rejected_plan`, `next_steps`.
+        is_sure: bool,
         steps: Vec<WrittenStep>,
         ignored: Vec<String>,
         path: Path,
@@ -170,18 +173,21 @@ pub(super) fn candidates<'v>(before: &str, node: &'v ValueNode, depth: usize) ->
         depth,
         found: Vec::new(),
     };
-    search.value(node, &Path::default(), may_be_plan(before));
+    search.value(node, &Path::default(), before_list(before));
     search.found
 }
 
-/// Returns true unless a text before a list calls it something else than a plan: `goals = [...]`.
-fn may_be_plan(before: &str) -> bool {
+/// Returns what a text before a list calls it: `goals = [...]` is no plan.
+fn before_list(before: &str) -> Listed {
     let line = before.rsplit('\n').next().unwrap_or_default().trim();
     let Some((name, _)) = line.split_once([':', '=']) else {
-        return true;
+        return Listed::Plan;
     };
     let name = name.trim().trim_matches(['*', '`', '"']).to_lowercase();
-    name.contains(char::is_whitespace) || is_list_key(&name)
+    match name.contains(char::is_whitespace) {
+        true => Listed::Plan,
+        false => list_under(&name),
+    }
 }
 
 /// Returns a key in lower case with `_` between its words: `actionName` is `action_name`.
@@ -208,8 +214,24 @@ fn ends_with_key(key: &str, keys: &[&str]) -> bool {
     keys.contains(&key.as_str()) || keys.contains(&last)
 }
 
-fn is_list_key(key: &str) -> bool {
-    ends_with_key(key, &LIST_KEYS)
+/// Returns what the values under a key may be.
+fn list_under(key: &str) -> Listed {
+    match LIST_KEYS.contains(&snake_case(key).as_str()) {
+        true => Listed::Plan,
+        false if ends_with_key(key, &LIST_KEYS) => Listed::PerhapsPlan,
+        false => Listed::Other,
+    }
+}
+
+/// What a list may be, by the key before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Listed {
+    /// Its texts are steps.
+    Plan,
+    /// Its texts are steps, but perhaps of no plan to carry out.
+    PerhapsPlan,
+    /// Its objects may be steps; its texts may be goals or states.
+    Other,
 }
 
 fn has_key(member: &Member, keys: &[&str]) -> bool {
@@ -226,8 +248,8 @@ struct Search<'v> {
 }
 
 impl<'v> Search<'v> {
-    /// Searches a value; `is_plan` is true if a list there is a list of steps.
-    fn value(&mut self, node: &'v ValueNode, path: &Path, is_plan: bool) {
+    /// Searches a value; `listed` is what a list there may be.
+    fn value(&mut self, node: &'v ValueNode, path: &Path, listed: Listed) {
         if let Some(likeness) = likeness(node) {
             self.found.push(Candidate::Plan {
                 node,
@@ -238,12 +260,12 @@ impl<'v> Search<'v> {
         }
         match &node.value {
             Value::List(items) => {
-                if let Some(steps) = step_list(items, is_plan) {
-                    self.steps(steps, &items.iter().collect::<Vec<_>>(), path);
+                if let Some(steps) = step_list(items, listed != Listed::Other) {
+                    self.steps(steps, &items.iter().collect::<Vec<_>>(), path, listed);
                     return;
                 }
                 for (index, item) in items.iter().enumerate() {
-                    self.value(item, &path.index(index), false);
+                    self.value(item, &path.index(index), Listed::Other);
                 }
             }
             Value::Object(members) if is_environment(members) => {}
@@ -258,7 +280,7 @@ impl<'v> Search<'v> {
                 if let Some(items) = counted(members)
                     && let Some(steps) = items.iter().map(|item| step(item, true)).collect()
                 {
-                    self.steps(steps, &items, path);
+                    self.steps(steps, &items, path, listed);
                     return;
                 }
                 let spoken = |member: &&Member| has_key(member, &EXPLANATION_KEYS);
@@ -273,8 +295,7 @@ impl<'v> Search<'v> {
                             reason: reason.clone(),
                         });
                     }
-                    let is_plan = is_list_key(key);
-                    self.value(node, &path.push(&literal::shorten(key)), is_plan);
+                    self.value(node, &path.push(&literal::shorten(key)), list_under(key));
                 }
             }
             Value::Text(text) => self.text(text, node.at, path),
@@ -283,10 +304,11 @@ impl<'v> Search<'v> {
     }
 
     /// Adds the steps of a list, which its items are.
-    fn steps(&mut self, steps: Vec<WrittenStep>, items: &[&ValueNode], path: &Path) {
+    fn steps(&mut self, steps: Vec<WrittenStep>, items: &[&ValueNode], path: &Path, listed: Listed) {
         self.found.push(match fault_of_steps(items) {
             Some((at, message)) => Candidate::Refused { at, message },
             None => Candidate::Steps {
+                is_sure: listed != Listed::PerhapsPlan,
                 steps,
                 ignored: ignored_keys(items),
                 path: path.clone(),
@@ -495,6 +517,57 @@ fn step_of_tuple(parts: &[ValueNode]) -> Option<WrittenStep> {
             }
         }
     }
+    Some(step)
+}
+
+/// Returns the step of an action whose input is a value.
+pub(super) fn step_with_input(action: &str, input: &Value) -> Option<WrittenStep> {
+    let mut step = bare_step(action)?;
+    add_arguments(&mut step, input)?;
+    Some(step)
+}
+
+/// What a column of a table says about steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Column {
+    Action,
+    /// One argument, or several with commas between them.
+    Argument,
+    Explanation,
+    Count,
+}
+
+impl Column {
+    /// Returns the meaning of a column by its head; the heads are the keys of an object that is a step.
+    pub(super) fn of_head(head: &str) -> Self {
+        let head = snake_case(head);
+        let is_key = |keys: &[&str]| keys.contains(&head.as_str());
+        if head.is_empty() || head == "#" || is_key(&COUNT_KEYS) {
+            Self::Count
+        } else if is_key(&ACTION_KEYS) {
+            Self::Action
+        } else if is_key(&EXPLANATION_KEYS) {
+            Self::Explanation
+        } else {
+            Self::Argument
+        }
+    }
+}
+
+/// Returns the step of a row: its arguments stand in the order of the columns.
+pub(super) fn step_of_row(columns: &[Column], cells: &[&str]) -> Option<WrittenStep> {
+    let own = |column: Column| {
+        let cells = columns.iter().zip(cells);
+        cells.filter(move |(own, _)| **own == column).map(|(_, cell)| *cell)
+    };
+    if cells.len() != columns.len() {
+        return None;
+    }
+    let mut step = bare_step(own(Column::Action).next()?)?;
+    for cell in own(Column::Argument).filter(|cell| !matches!(*cell, "" | "-" | "\u{2013}" | "\u{2014}")) {
+        add_arguments(&mut step, &Value::Text(cell.to_owned()))?;
+    }
+    step.explanation = own(Column::Explanation).collect::<Vec<_>>().join("; ");
     Some(step)
 }
 

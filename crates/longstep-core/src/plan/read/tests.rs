@@ -669,3 +669,124 @@ fn two_readings_are_refused() {
         "this is a behaviour tree in XML, which is not read as a plan",
     );
 }
+
+/// Nothing that may be a step is left out without a word.
+#[test]
+fn no_step_is_dropped() {
+    const WHOLE: &str = "Walk(<desk>); Grab(<pen>)";
+    let steps = |reply: &str| read(reply).map(|draft| draft.file.task_cohesion.task_sequence.join("; "));
+    for end in [
+        "<|im_end|>",
+        "<|return|>",
+        "</s>",
+        "</answer>",
+        "!",
+        " \u{2705}",
+        ".",
+        "<br>",
+        " (done)",
+        " # now",
+    ] {
+        for (begin, mark) in [("Sure! Here it is:\n\n", ""), ("", "- "), ("", "1. "), ("> ", "")] {
+            let reply = format!("{begin}{mark}Walk(<desk>)\n{}Grab(<pen>){end}", mark.replace('1', "2"));
+            assert_eq!(steps(&reply).as_deref(), Ok(WHOLE), "{reply}");
+        }
+    }
+    for (reply, error) in [
+        (
+            "Sure!\nWalk(<desk>)\nGrab(<pe",
+            "line 3, column 1: `Grab(<pe` stands outside of the steps",
+        ),
+        (
+            "So:\nWalk(<desk>)\nThen Grab(<pen>)",
+            "line 3, column 6: `Grab(<pen>)` stands outside",
+        ),
+        ("So:\nWalk(<desk>)\nClose <desk>", "line 3, column 1: this is no step"),
+        ("So:\nWalk(<desk>)\n... and so on", "line 3, column 1: this is no step"),
+        (
+            "Walk('<desk>')\n# ... as before\nGrab('<pen>')",
+            "line 2, column 1: this is no step",
+        ),
+        (
+            "- Walk(<desk>) (and then Grab(<pen>))\n- Grab(<pen>)\n\nWait, the second is Grab(<cup>).",
+            "line 4, column 21: `Grab(<cup>)`",
+        ),
+        (
+            "1. Walk(<desk>)\n2. Grab(<pen>) - no, rather Grab(<cup>)",
+            "line 1, column 1: `Grab(<cup>)`",
+        ),
+        (
+            "Plan A:\n- Walk(<desk>)\n- Grab(<pen>)\n\nPlan B:\n- Grab(<cup>)",
+            "the reply holds 2 plans",
+        ),
+        (
+            "plan:\n- Walk(<desk>)\n---\nplan:\n- Grab(<pen>)",
+            "the reply holds 2 plans",
+        ),
+        (r#"{"plan": ["a()"], "next_steps": ["b()"]}"#, "the reply holds 2 plans"),
+        (
+            r#"{"rejected_plan": ["a()"]}"#,
+            "line 1, column 1: the reply holds an object but no plan",
+        ),
+        (
+            r#"{"choices": [{"finish_reason": "length", "message": {"content": "1. a()\n2. b()"}}]}"#,
+            "line 1, column 32: the server says",
+        ),
+        (
+            r#"[{"action": "a", "args": [], "enabled": false}]"#,
+            "line 1, column 41: `enabled` changes",
+        ),
+        (
+            r#"[{"action": "a", "args": [], "repeat": 3}]"#,
+            "line 1, column 40: `repeat` changes",
+        ),
+        (
+            r#"[{"call": "a()", "after": ["b()"]}]"#,
+            "line 1, column 27: there are steps in a step",
+        ),
+        (
+            r#"[{"step": 2, "call": "a()"}, {"step": 1, "call": "b()"}]"#,
+            "line 1, column 39: `step` is 1",
+        ),
+        (
+            "Action: Walk\nAction Input: desk\nAction: Grab",
+            "line 3, column 1: this is no step",
+        ),
+        (
+            "action,object\nWalk,desk\nGrab,pen,now",
+            "line 3, column 1: this is no step",
+        ),
+        (
+            "<tool_call>{\"name\": \"a\", \"arguments\": {}}</tool_call>\n<tool_call>{\"na",
+            "line 2, column 16: the reply breaks off",
+        ),
+    ] {
+        let message = read(reply).unwrap_err().to_string();
+        assert!(message.starts_with(error), "{reply}: {message}");
+    }
+    // What the plan has, and words with an ending in brackets, may stand around it.
+    for around in ["I go there, so that Grab(<pen>) works.", "These are my step(s):"] {
+        assert_eq!(
+            steps(&format!("{around}\n- Walk(<desk>)\n- Grab(<pen>)")).as_deref(),
+            Ok(WHOLE)
+        );
+        assert_eq!(
+            steps(&format!("- Walk(<desk>)\n- Grab(<pen>)\n\n{around}")).as_deref(),
+            Ok(WHOLE)
+        );
+    }
+    for reply in [
+        "Reach it:\nWalk(<desk>)\nTake it:\nGrab(<pen>)",
+        "robot.Walk(<desk>)\nrobot.Grab(<pen>)",
+        "Voici le plan : Walk(<desk>) \u{2192} Grab(<pen>). C'est tout.",
+        "<plan>\n<step>Walk(<desk>)</step>\n<step n=\"2\">Grab(<pen>)</step>\n</plan>",
+        "[TOOL_CALLS] [{\"name\": \"Walk\", \"arguments\": [\"<desk>\"]}, {\"name\": \"Grab\", \"arguments\": [\"<pen>\"]}]</s>",
+        "Thought: far.\nAction: Walk\nAction Input: <desk>\nObservation: ok\nAction: Grab\nAction Input: [\"<pen>\"]\nFinal Answer: done.",
+        "| Step | Action | Object | Reason |\n|---|---|---|---|\n| 1 | Walk | <desk> | far |\n| 2 | Grab | <pen> | |",
+        "```csv\nstep,action,object\n1,Walk,<desk>\n2,Grab,<pen>\n```",
+        r#"{"step_1": "Walk(<desk>)", "step_2": "Grab(<pen>)"}"#,
+        r#"{"taskPlan": {"actionSequence": [{"actionName": "Walk", "actionParameters": ["<desk>"]}, {"actionName": "Grab", "actionParameters": ["<pen>"], "repeat": 1}]}}"#,
+    ] {
+        assert_eq!(steps(reply).as_deref(), Ok(WHOLE), "{reply}");
+    }
+}

@@ -175,6 +175,20 @@ pub enum Unreadable {
 }
 
 impl Unreadable {
+    /// Returns true if the reply has steps, and what is wrong is which of them are the plan.
+    pub fn has_steps(&self) -> bool {
+        match self {
+            Self::CutOff { .. }
+            | Self::SeveralPlans { .. }
+            | Self::SeveralReadings { .. }
+            | Self::NoStep { .. }
+            | Self::StrayCall { .. }
+            | Self::NotWhole { .. } => true,
+            Self::Inside { error, .. } => error.has_steps(),
+            _ => false,
+        }
+    }
+
     /// Suggests a remedy in one sentence.
     pub fn hint(&self) -> &str {
         match self {
