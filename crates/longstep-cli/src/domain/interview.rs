@@ -5,7 +5,7 @@
 
 use longstep::domain::{
     ActionAnswer, AnswerMistake, Answers, KindAnswer, action_mistake, guess_removed, guess_start, missed_removals,
-    replace_state, same_state, sentence_mistake, start_mistake, unmade_states, unused_kinds,
+    misspelt_kind, replace_state, same_state, sentence_mistake, start_mistake, unmade_states, unused_kinds,
 };
 
 /// Actions that are asked for; more can be added to answers.toml.
@@ -151,16 +151,19 @@ fn action(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<Ques
         ];
     }
     let so_far = answers.clone();
-    let words = given.take_right(first, |words| match (words, number) {
-        ("" | "-", 1) => mistake("a robot needs an action", "write what it does: \"open a door\""),
-        ("" | "-", _) => None,
-        _ => action_mistake(&so_far, words),
-    })?;
-    if matches!(words, "" | "-") {
+    let words = given
+        .take_right(first, |words| match (words, number) {
+            ("" | "-", 1) => mistake("a robot needs an action", "write what it does: \"open a door\""),
+            ("" | "-", _) => None,
+            _ => action_mistake(&so_far, words),
+        })?
+        .to_owned();
+    if matches!(words.as_str(), "" | "-") {
         return Ok(false);
     }
+    let words = spelled(answers, given, words)?;
     let mut action = ActionAnswer {
-        words: words.to_owned(),
+        words: words.clone(),
         ..ActionAnswer::default()
     };
     let needs = format!("Before \"{words}\", what has to hold? ({})", examples.before);
@@ -238,7 +241,7 @@ fn states(
     let mut action = action.clone();
     let mut sentences = Vec::new();
     for sentence in split(text, ';') {
-        let mut own = sentence;
+        let mut own = spelled(answers, given, sentence)?;
         if let Some(known) = same_state(answers, &action, &own) {
             let text = format!("Is \"{own}\" the same as \"{known}\"? (yes or no)");
             if yes_or_no(given, self::question(text, "yes"))? {
@@ -249,6 +252,18 @@ fn states(
         sentences.push(own);
     }
     Ok(sentences)
+}
+
+/// Asks about a word that is nearly a kind; returns the sentence with the kind that is meant.
+fn spelled(answers: &Answers, given: &mut Given<'_>, sentence: String) -> Result<String, Box<Question>> {
+    let Some(misspelt) = misspelt_kind(answers, &sentence) else {
+        return Ok(sentence);
+    };
+    let text = format!("Is \"{}\" the kind \"{}\"? (yes or no)", misspelt.word, misspelt.kind);
+    Ok(match yes_or_no(given, question(text, "yes"))? {
+        true => misspelt.mended(&sentence),
+        false => sentence,
+    })
 }
 
 fn is_yes(answer: &str) -> Option<bool> {
@@ -276,8 +291,8 @@ fn first_world(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<Q
                 vec!["Now a first world to try the robot in: some things by name, and where they are.".to_owned()];
         }
         let before = answers.clone();
-        let examples = given.take_right(text, |text| examples_mistake(&before, &name, &split(text, ',')))?;
-        answers.kind[index].examples = split(examples, ',');
+        let examples = given.take_right(text, |text| examples_mistake(&before, &name, &examples_of(text)))?;
+        answers.kind[index].examples = examples_of(examples);
     }
     let guess = guess_start(answers).join("; ");
     let default = if guess.is_empty() { "-" } else { &guess };
@@ -290,6 +305,15 @@ fn first_world(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<Q
     })?;
     answers.start = split(start, ';');
     Ok(())
+}
+
+/// Returns the names of things; an article before a name is none of its words.
+fn examples_of(text: &str) -> Vec<String> {
+    let bare = |name: String| match name.split_once(' ') {
+        Some((article, rest)) if matches!(article.to_lowercase().as_str(), "the" | "a" | "an") => rest.to_owned(),
+        _ => name,
+    };
+    split(text, ',').into_iter().map(bare).collect()
 }
 
 fn examples_mistake(answers: &Answers, kind: &str, examples: &[String]) -> Option<AnswerMistake> {

@@ -276,7 +276,7 @@ impl AnswerReader<'_> {
         }
         let mut facts = String::new();
         for text in &answers.start {
-            let sentence = self.sentence(text);
+            let sentence = self.start_sentence(text);
             let known = self.patterns.len();
             let pattern = self.pattern(&sentence);
             if pattern >= known {

@@ -170,17 +170,12 @@ impl<'a> AnswerReader<'a> {
         for then in &action.then {
             let after = self.sentence(then);
             let about = kinds_of(&after);
-            // The robot moves: it is at no other place.
-            if let ([(place, Which::One)], true) = (&about[..], speaks_of_robot(then) && after.holds)
-                && answers.kind[*place].stays
-            {
-                let name = &answers.kind[*place].name;
-                let words = after.pieces.iter().map(|piece| match piece {
-                    Piece::Word(word) => word.clone(),
-                    Piece::Kind(..) | Piece::Thing(..) => format!("any {name}"),
-                });
-                removed.push(words.collect::<Vec<_>>().join(" "));
-            }
+            removed.extend(
+                self.other_places(&after)
+                    .into_iter()
+                    .filter(|own| !removed.contains(own))
+                    .collect::<Vec<_>>(),
+            );
             let Some(subject) = subject.filter(|own| !answers.kind[own.0].stays && about.contains(own)) else {
                 continue;
             };
@@ -203,6 +198,50 @@ impl<'a> AnswerReader<'a> {
             }
         }
         removed
+    }
+
+    /// Returns where the robot is not after it moved to a place: at no other one of its kind, and at none of the kinds that an action
+    /// brings it to in the same words.
+    fn other_places(&self, after: &Sentence) -> Vec<String> {
+        let answers = self.answers;
+        let place_of = |sentence: &Sentence| match kinds_of(sentence)[..] {
+            [(place, Which::One)] if sentence.holds && answers.kind[place].stays => Some(place),
+            _ => None,
+        };
+        let of_robot = words_of(after).collect::<Vec<_>>().join(" ").contains(&answers.robot());
+        let Some(place) = place_of(after).filter(|_| of_robot) else {
+            return Vec::new();
+        };
+        let mut kinds = vec![place];
+        for then in answers.action.iter().flat_map(|action| &action.then) {
+            let other = self.sentence(then);
+            let is_one = words_of(&other).eq(words_of(after));
+            kinds.extend(place_of(&other).filter(|kind| is_one && !kinds.contains(kind)));
+        }
+        let at = |kind: usize| {
+            let words = after.pieces.iter().map(|piece| match piece {
+                Piece::Word(word) => word.clone(),
+                Piece::Kind(..) | Piece::Thing(..) => format!("any {}", answers.kind[kind].name),
+            });
+            words.collect::<Vec<_>>().join(" ")
+        };
+        kinds.into_iter().map(at).collect()
+    }
+
+    /// Reads a sentence about the first world, where a thing may have the name of its kind: "the dock".
+    pub(super) fn start_sentence(&self, text: &str) -> Sentence {
+        let mut sentence = self.sentence(text);
+        for piece in &mut sentence.pieces {
+            if let Piece::Kind(kind, Which::One) = piece
+                && self
+                    .things
+                    .iter()
+                    .any(|(name, of)| of == kind && *name == self.kinds[*kind])
+            {
+                *piece = Piece::Thing(*kind, identifier(&self.kinds[*kind].join("_")));
+            }
+        }
+        sentence
     }
 
     pub(super) fn kind_name(&self, kind: usize) -> String {
@@ -286,14 +325,18 @@ pub struct MissedRemoval {
 }
 
 /// Returns the states that actions end without saying so: what one action needs and replaces, the other one replaces back, as
-/// "open" and "closed".
+/// "open" and "closed"; and the other places at which the robot is not after it moved.
 pub fn missed_removals(answers: &Answers) -> Vec<MissedRemoval> {
     let Ok(reader) = AnswerReader::new(answers) else {
         return Vec::new();
     };
     let mut missed = Vec::new();
     for (index, action) in answers.action.iter().enumerate() {
-        for state in reader.reversed(action) {
+        let places = action
+            .then
+            .iter()
+            .flat_map(|then| reader.other_places(&reader.sentence(then)));
+        for state in reader.reversed(action).into_iter().chain(places) {
             let key = key_of(&reader.sentence(&state));
             let mut removed = action.no_longer.iter().flatten();
             if action.no_longer.is_some() && removed.all(|own| key_of(&reader.sentence(own)) != key) {

@@ -116,7 +116,7 @@ pub fn start_mistake(answers: &Answers, text: &str) -> Option<AnswerMistake> {
         let sentence = reader.sentence(own);
         reader.pattern(&sentence);
     }
-    let sentence = reader.sentence(text);
+    let sentence = reader.start_sentence(text);
     if let Some(Piece::Kind(kind, _)) = sentence.pieces.iter().find(|piece| matches!(piece, Piece::Kind(..))) {
         let kind = &answers.kind[*kind];
         return mistake(
@@ -211,6 +211,52 @@ pub fn same_state(answers: &Answers, action: &ActionAnswer, text: &str) -> Optio
     let similar = |own: &&Sentence| kinds_in_order(own) == kinds && is_similar(&self::meaning(own, &robot), &meaning);
     let found = earlier.iter().find(similar)?;
     Some(rewritten(answers, found, &sentence))
+}
+
+/// A word in a sentence that may be a slip of the pen for a kind.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Misspelt {
+    /// The word as it is written.
+    pub word: String,
+    /// The name of the kind.
+    pub kind: String,
+}
+
+/// Returns the first word behind an article or a quantifier that is no kind and nearly one: "the palce".
+pub fn misspelt_kind(answers: &Answers, text: &str) -> Option<Misspelt> {
+    let reader = AnswerReader::new(answers).ok()?;
+    let sentence = reader.sentence(text);
+    let determiners = ["the", "a", "an", "no", "any", "another", "every", "all"];
+    sentence.pieces.windows(2).find_map(|pair| {
+        let [Piece::Word(before), Piece::Word(word)] = pair else {
+            return None;
+        };
+        if !determiners.contains(&before.as_str()) || *word == answers.robot() {
+            return None;
+        }
+        let names = answers.kind.iter().map(|kind| kind.name.to_lowercase());
+        let mut near = names.filter(|name| {
+            let most = if name.chars().count() > 5 { 2 } else { 1 };
+            name.chars().count() > 3 && strsim::osa_distance(name, word) <= most
+        });
+        near.next().map(|kind| Misspelt {
+            word: word.clone(),
+            kind,
+        })
+    })
+}
+
+impl Misspelt {
+    /// Returns a sentence with the kind in place of the word.
+    pub fn mended(&self, text: &str) -> String {
+        let words = text
+            .split_whitespace()
+            .map(|word| match plain(word).first() == Some(&self.word) {
+                true => self.kind.as_str(),
+                false => word,
+            });
+        words.collect::<Vec<_>>().join(" ")
+    }
 }
 
 /// A state that actions need and none brings about, with a state of the robot and the same kinds that one brings about.
@@ -368,6 +414,7 @@ pub fn guess_start(answers: &Answers) -> Vec<String> {
     }
     let mut start = Vec::new();
     let mut placed: Vec<usize> = Vec::new();
+    let mut robot_is: Vec<Vec<String>> = Vec::new();
     let robot = answers.robot();
     for (pattern, sentence) in &needed {
         let kinds = kinds_in_order(sentence);
@@ -377,7 +424,11 @@ pub fn guess_start(answers: &Answers) -> Vec<String> {
             ([kind], false) if !answers.kind[*kind].stays && plain_words(sentence).join(" ").contains(&robot) => {}
             ([kind], false) => start.extend(of_all(answers, sentence, *kind)),
             ([place], true) if answers.kind[*place].stays && plain_words(sentence).join(" ").contains(&robot) => {
-                start.extend(of_all(answers, sentence, *place).into_iter().take(1));
+                // It is at one place, of whatever kind.
+                if !robot_is.contains(&plain_words(sentence)) {
+                    robot_is.push(plain_words(sentence));
+                    start.extend(of_all(answers, sentence, *place).into_iter().take(1));
+                }
             }
             ([_, _], _) if moves.is_some_and(|kind| !placed.contains(&kind)) => {
                 placed.extend(moves);

@@ -23,8 +23,8 @@ use std::collections::BTreeMap;
 pub use answer_reader::{MissedRemoval, guess_removed, missed_removals};
 pub use answers::{ActionAnswer, Answers, KindAnswer};
 pub use author::{
-    AnswerMistake, UnmadeState, action_mistake, guess_start, replace_state, same_state, sentence_mistake,
-    start_mistake, unmade_states, unused_kinds,
+    AnswerMistake, Misspelt, UnmadeState, action_mistake, guess_start, misspelt_kind, replace_state, same_state,
+    sentence_mistake, start_mistake, unmade_states, unused_kinds,
 };
 pub use sample::{Sample, samples};
 

@@ -245,6 +245,74 @@ fn actions_that_reverse_each_other_replace_the_state() {
     }
 }
 
+/// A robot that goes to places of two kinds, one of which has one thing with its name.
+const LIBRARIAN: &str = r#"
+name = "librarian"
+robot = "librarian"
+kind = [
+  { name = "book", stays = false, examples = ["war novel"] },
+  { name = "place", stays = true, examples = ["return box", "history shelf"] },
+  { name = "scanner", stays = true, examples = ["scanner"] },
+]
+[[action]]
+words = "drive to a place"
+then = ["the librarian is at the place"]
+no_longer = ["the librarian is at any place"]
+[[action]]
+words = "drive to a scanner"
+then = ["the librarian is at the scanner"]
+[[action]]
+words = "scan a book on a scanner"
+needs = ["the librarian is at the scanner"]
+then = ["the book is scanned"]
+[[action]]
+words = "take a book from a place"
+needs = ["the librarian is at the place", "the book is on the place", "the librarian holds no book"]
+then = ["the librarian holds the book"]
+"#;
+
+#[test]
+fn robot_is_at_one_place_of_whatever_kind() {
+    let mut answers = Answers::read("answers.toml", LIBRARIAN).unwrap();
+    let drive = answers.action[1].clone();
+    assert_eq!(
+        super::guess_removed(&answers, &drive),
+        ["the librarian is at any scanner", "the librarian is at any place"]
+    );
+    let missed = super::missed_removals(&answers);
+    let missed: Vec<(usize, &str)> = missed.iter().map(|own| (own.action, own.state.as_str())).collect();
+    assert_eq!(missed, [(0, "the librarian is at any scanner")]);
+    let start = super::guess_start(&answers);
+    let places = start.iter().filter(|text| text.contains("librarian is at"));
+    assert_eq!(places.count(), 1, "{start:?}");
+    // "the scanner" is the only one.
+    answers.start = vec![
+        "the librarian is at the scanner".to_owned(),
+        "the war novel is on the return box".to_owned(),
+    ];
+    for text in &answers.start {
+        assert_eq!(super::start_mistake(&answers, text), None);
+    }
+    from_answers(&answers).unwrap();
+}
+
+#[test]
+fn slips_of_the_pen_for_a_kind_are_found() {
+    let answers = Answers::read("answers.toml", LIBRARIAN).unwrap();
+    for (text, expected) in [
+        ("the book is on the palce", Some("the book is on the place")),
+        ("the librarian holds no bok", Some("the librarian holds no book")),
+        ("scan a book on a scaner", Some("scan a book on a scanner")),
+        ("the librarian is at the place", None),
+        ("the book is in place", None),
+        ("the book is at the back", None),
+        ("the librarian holds no letter", None),
+    ] {
+        let mended = super::misspelt_kind(&answers, text).map(|misspelt| misspelt.mended(text));
+        assert_eq!(mended.as_deref(), expected, "{text}");
+    }
+}
+
 #[test]
 fn other_words_for_a_state_are_found() {
     let answers = Answers::read("answers.toml", PORTER).unwrap();
