@@ -303,7 +303,7 @@ impl ActionFacts<'_> {
 
 /// Returns true if the sentence of the predicate begins with an argument: "the door is open", but not "the robot is at the
 /// door".
-fn begins_with_argument(domain: &Domain, predicate: PredicateId) -> bool {
+pub(super) fn begins_with_argument(domain: &Domain, predicate: PredicateId) -> bool {
     const ARGUMENT: char = '\u{1}';
     domain
         .words(predicate)

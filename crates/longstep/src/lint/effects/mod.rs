@@ -8,6 +8,7 @@ mod exchange;
 mod lasting;
 #[cfg(test)]
 mod tests;
+mod whereabouts;
 
 use self::action_facts::ActionFacts;
 use self::exchange::Exchanges;
@@ -44,6 +45,8 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
     exchange::conflicting_facts(&rules, &exchanges, &mut findings);
     exchange::swapped_arguments(&rules, &exchanges, &mut findings);
     exchange::vanished_objects(&rules, &exchanges, &mut findings);
+    whereabouts::lost_robots(&rules, &mut findings);
+    whereabouts::lost_states(&rules, &mut findings);
     lasting::lost_facts(&rules, &Required::of(domain), &mut findings);
     let conflicts: Vec<Option<String>> = findings.iter().map(|own| own.of.last().cloned()).collect();
     lasting::permanent_facts(&rules, &mut findings);

@@ -52,6 +52,42 @@ then = ["the tray is on the table"]
 no_longer = ["the carrier holds the tray"]
 "#;
 
+/// A robot without a parameter for itself, which goes to places of two kinds and to a thing with opposite states.
+const SAMPLER: &str = r#"
+name = "sampler"
+robot = "sampler"
+kind = [{ name = "tube" }, { name = "rack", stays = true }, { name = "centrifuge", stays = true }]
+[[action]]
+words = "drive to a rack"
+then = ["the sampler is at the rack"]
+[[action]]
+words = "drive to a centrifuge"
+then = ["the sampler is at the centrifuge"]
+[[action]]
+words = "open a centrifuge"
+needs = ["the sampler is at the centrifuge", "the centrifuge is closed"]
+then = ["the centrifuge is open"]
+no_longer = ["the centrifuge is closed"]
+[[action]]
+words = "close a centrifuge"
+needs = ["the sampler is at the centrifuge", "the centrifuge is open"]
+then = ["the centrifuge is closed"]
+no_longer = ["the centrifuge is open"]
+[[action]]
+words = "spin a tube in a centrifuge"
+needs = ["the sampler is at the centrifuge", "the centrifuge is closed"]
+then = ["the tube is spun"]
+no_longer = []
+[[action]]
+words = "take a tube from a rack"
+needs = ["the sampler is at the rack", "the tube is on the rack", "the sampler holds no tube"]
+then = ["the sampler holds the tube"]
+[[action]]
+words = "put a tube on a rack"
+needs = ["the sampler is at the rack", "the sampler holds the tube"]
+then = ["the tube is on the rack"]
+"#;
+
 fn robot(name: &str) -> Files {
     let made = |files: Vec<(String, String)>| Files::from_texts("", files);
     let mut files = match name {
@@ -68,6 +104,10 @@ fn robot(name: &str) -> Files {
             );
             let new = from_answers(&answers.unwrap()).unwrap_or_else(|found| panic!("{found}"));
             made(new.files)
+        }
+        "sampler" => {
+            let new = from_answers(&Answers::read("answers.toml", SAMPLER).unwrap());
+            made(new.unwrap_or_else(|found| panic!("{found}")).files)
         }
         "greenhouse" => example!("greenhouse"),
         "warehouse" => example!("warehouse"),
@@ -111,6 +151,7 @@ fn robots_that_are_right_have_no_findings() {
         "starter",
         "hand",
         "carrier",
+        "sampler",
         "greenhouse",
         "warehouse",
         "care",
@@ -315,6 +356,31 @@ const PLANTED: &[[&str; 6]] = &[
         "effect-on-all",
         "open-vent",
         "vent-open",
+    ],
+    // The robot is at two places or at none, and a thing in neither of two opposite states.
+    [
+        "sampler",
+        "(not (sampler-at-centrifuge ?any_centrifuge))) (forall (?any_rack - rack) (not (sampler-at ?any_rack))) (sampler-at-centrifuge ?centrifuge)",
+        "(not (sampler-at-centrifuge ?any_centrifuge))) (sampler-at-centrifuge ?centrifuge)",
+        "conflicting-facts",
+        "drive-to-centrifuge",
+        "sampler-at",
+    ],
+    [
+        "sampler",
+        "(spun ?tube)))",
+        "(spun ?tube) (not (sampler-at-centrifuge ?centrifuge))))",
+        "vanished-object",
+        "spin-in",
+        "sampler-at-centrifuge",
+    ],
+    [
+        "sampler",
+        "(spun ?tube)))",
+        "(spun ?tube) (not (closed ?centrifuge))))",
+        "vanished-object",
+        "spin-in",
+        "closed",
     ],
     // The wrong direction of a number.
     [
