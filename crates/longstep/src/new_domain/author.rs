@@ -423,12 +423,14 @@ pub fn guess_start(answers: &Answers) -> Vec<String> {
             // Whom the robot has or knows at the start, only its author can say.
             ([kind], false) if !answers.kind[*kind].stays && plain_words(sentence).join(" ").contains(&robot) => {}
             ([kind], false) => start.extend(of_all(answers, sentence, *kind)),
-            ([place], true) if answers.kind[*place].stays && plain_words(sentence).join(" ").contains(&robot) => {
-                // It is at one place, of whatever kind.
-                if !robot_is.contains(&plain_words(sentence)) {
-                    robot_is.push(plain_words(sentence));
-                    start.extend(of_all(answers, sentence, *place).into_iter().take(1));
-                }
+            // The robot is at one place, of whatever kind.
+            ([place], true)
+                if answers.kind[*place].stays
+                    && plain_words(sentence).join(" ").contains(&robot)
+                    && !robot_is.contains(&plain_words(sentence)) =>
+            {
+                robot_is.push(plain_words(sentence));
+                start.extend(of_all(answers, sentence, *place).into_iter().take(1));
             }
             ([_, _], _) if moves.is_some_and(|kind| !placed.contains(&kind)) => {
                 placed.extend(moves);
