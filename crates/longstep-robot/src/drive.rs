@@ -87,6 +87,7 @@ pub fn drive(
         watcher,
         request,
         running: Vec::new(),
+        is_unanswered: false,
     };
     driver.run()
 }
@@ -97,17 +98,27 @@ struct Driver<'a> {
     watcher: &'a mut dyn Watcher,
     request: &'a StopRequest,
     running: Vec<Running>,
+    /// True if the run stops because a question has no answer.
+    is_unanswered: bool,
 }
 
 impl Driver<'_> {
+    /// Stops because a question has no answer, unless a request ended the wait for it.
+    fn leave(&mut self) {
+        self.is_unanswered = !self.request.is_requested();
+        self.request.stop();
+    }
+
     fn run(&mut self) -> Option<Stop> {
         loop {
             if self.request.is_requested() {
                 // The switch has stopped the robot already; this waits for its confirmation.
                 let confirmed = self.robot.stop();
-                self.execution.stop(match confirmed {
-                    Ok(()) => "stopped at a request",
-                    Err(_) => "stopped at a request; the robot did not confirm it",
+                self.execution.stop(match (self.is_unanswered, confirmed) {
+                    (false, Ok(())) => "stopped at a request",
+                    (false, Err(_)) => "stopped at a request; the robot did not confirm it",
+                    (true, Ok(())) => "stopped, since nobody answered",
+                    (true, Err(_)) => "stopped, since nobody answered; the robot did not confirm it",
                 });
             }
             let need = self.execution.next_need();
@@ -127,7 +138,7 @@ impl Driver<'_> {
                     // Refused by the execution only if something else is proposed, which is asked for then.
                     Some(true) => drop(self.execution.approve(&proposal.id)),
                     Some(false) => self.refuse(),
-                    None => self.request.stop(),
+                    None => self.leave(),
                 },
                 Need::Judge(order) => match self.watcher.judge(self.execution, &order) {
                     Some(done) => {
@@ -135,7 +146,7 @@ impl Driver<'_> {
                             self.fail(&error.to_string());
                         }
                     }
-                    None => self.request.stop(),
+                    None => self.leave(),
                 },
                 Need::Confirm(unseen) => match self.watcher.confirm(self.execution, &unseen) {
                     Some(holds) => {
@@ -143,7 +154,7 @@ impl Driver<'_> {
                             self.fail(&error.to_string());
                         }
                     }
-                    None => self.request.stop(),
+                    None => self.leave(),
                 },
                 Need::Wait => self.wait(),
                 Need::Done => return None,
