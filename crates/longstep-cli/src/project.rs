@@ -46,10 +46,12 @@ impl Project {
             false => folder,
         };
         let file = folder.join(FILE);
-        Ok(Some(Self::parse(&file, &read_text(&file)?)?))
+        let is_folder = |name: &str| Path::new(name).is_dir();
+        Ok(Some(Self::parse(&file, &read_text(&file)?, &is_folder)?))
     }
 
-    fn parse(file: &Path, text: &str) -> Result<Self, Diagnostics> {
+    /// Reads the text of the file; `is_folder` tells whether a path as seen from the working folder is a folder.
+    fn parse(file: &Path, text: &str, is_folder: &dyn Fn(&str) -> bool) -> Result<Self, Diagnostics> {
         let shown = file.display().to_string();
         let at = |offset: usize, message: String| Diagnostic::at(&shown, Position::of(text, offset), message);
         let entries: HashMap<Spanned<String>, Spanned<Value>> = toml::from_str(text).map_err(|error| {
@@ -71,7 +73,19 @@ impl Project {
                 continue;
             };
             match value.get_ref().as_str().filter(|text| !text.trim().is_empty()) {
-                Some(text) => project.set(name, folder, text.trim()),
+                Some(text) => {
+                    project.set(name, folder, text.trim());
+                    let domain = project.domain.as_deref().filter(|_| *name == "domain");
+                    if let Some(path) = domain.filter(|own| !domain::shipped_names().contains(own) && !is_folder(own)) {
+                        let shipped = domain::shipped_names();
+                        let near = nearest(text, shipped.iter().copied()).map(|near| format!("did you mean `{near}`?"));
+                        let names = format!("it is a folder beside this file, or one of {}", shipped.join(", "));
+                        findings.push(
+                            at(value.span().start, format!("there is no domain folder `{path}`"))
+                                .hint(near.unwrap_or(names)),
+                        );
+                    }
+                }
                 None => findings.push(
                     at(value.span().start, format!("`{name}` has to be a text"))
                         .hint(format!("write it in quotes: {name} = \"...\"")),
@@ -143,7 +157,8 @@ mod tests {
     use super::*;
 
     fn parsed(text: &str) -> Result<Project, String> {
-        Project::parse(Path::new("up/longstep.toml"), text).map_err(|findings| findings.to_string())
+        Project::parse(Path::new("up/longstep.toml"), text, &|own| own != "up/hosehold")
+            .map_err(|findings| findings.to_string())
     }
 
     #[test]
