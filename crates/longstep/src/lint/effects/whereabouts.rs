@@ -28,7 +28,13 @@ pub(super) fn lost_robots(rules: &Rules<'_>, findings: &mut Vec<Finding>) {
         for other in &movers {
             let place = other.to;
             let is_exclusive = other.leaves.contains(&mover.to) && other.leaves.contains(&place);
-            if !is_exclusive || mover.to == place || removes_some(facts, place) {
+            // A place in a room needs the room, and does not leave it.
+            let is_within = facts
+                .action
+                .precondition
+                .atoms()
+                .any(|(atom, _)| atom.predicate == place);
+            if !is_exclusive || is_within || mover.to == place || removes_some(facts, place) {
                 continue;
             }
             let name = |predicate: PredicateId| &rules.domain.predicate(predicate).name;
