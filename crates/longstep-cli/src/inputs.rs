@@ -101,30 +101,41 @@ pub(crate) fn read_world(
 /// Reads a plan, a script, or a model's reply that contains a plan; also returns the text, for positions in errors.
 pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
     let text = read_text(path)?;
-    Ok((draft(path, &text)?, text))
+    let draft = draft(path, &text).map_err(|none| none.failure)?;
+    Ok((draft, text))
+}
+
+/// The reason why a text has no plan.
+struct NoDraft {
+    failure: Failure,
+    /// True if the text has steps that are no plan, whoever wrote it.
+    has_steps: bool,
 }
 
 /// Reads the text of a plan file.
-fn draft(path: &Path, text: &str) -> Result<plan::Draft> {
+fn draft(path: &Path, text: &str) -> std::result::Result<plan::Draft, NoDraft> {
     let shown = path.display();
     if path.extension().is_some_and(|extension| extension == "py") {
-        let written = plan::script::read(text)
-            .map_err(|error| Failure::unreadable(format!("{shown}: {error}")).hint(error.hint))?;
+        let written = plan::script::read(text).map_err(|error| NoDraft {
+            has_steps: plan::read(text).is_err_and(|error| error.has_steps()),
+            failure: Failure::unreadable(format!("{shown}: {error}")).hint(error.hint),
+        })?;
         return Ok(plan::Draft {
             file: PlanFile::from(TaskCohesion::from_written(written)),
             leniencies: Vec::new(),
         });
     }
-    Ok(plan::read(text).map_err(|error| Failure::unreadable(format!("{shown}: {error}")).hint(error.hint()))?)
+    plan::read(text).map_err(|error| NoDraft {
+        has_steps: error.has_steps(),
+        failure: Failure::unreadable(format!("{shown}: {error}")).hint(error.hint()),
+    })
 }
 
 /// The text of a plan file, which may also be what a planner printed; its names decide that when its world is known.
 pub(crate) struct PlanText {
-    draft: Result<plan::Draft>,
+    draft: std::result::Result<plan::Draft, NoDraft>,
     /// Who may have written the text, if it may be the plan of a planner.
     author: Option<pddl::Author>,
-    /// True if the text has steps that are no plan, whoever wrote it.
-    is_refused: bool,
     pub(crate) shown: String,
     pub(crate) text: String,
 }
@@ -134,13 +145,11 @@ impl PlanText {
         let text = read_text(path)?;
         let draft = draft(path, &text);
         let author = pddl::author_of_plan(domain, &text);
-        let is_refused = matches!(plan::read(&text), Err(error) if error.has_steps());
         match draft {
-            Err(error) if author.is_none() => Err(error),
+            Err(none) if author.is_none() => Err(none.failure.into()),
             draft => Ok(Self {
                 draft,
                 author,
-                is_refused,
                 shown: path.display().to_string(),
                 text,
             }),
@@ -160,13 +169,15 @@ impl PlanText {
     /// Returns the plan with notes for a person.
     pub(crate) fn for_world(self, world: &World) -> Result<(plan::Draft, Vec<String>)> {
         let is_planners = self.author == Some(pddl::Author::Planner);
-        if self.author.is_none() || (self.is_refused && !is_planners) {
-            return Ok((self.draft?, Vec::new()));
-        }
-        let printed = printed_plan(world, &self.shown, &self.text);
         let draft = match self.draft {
+            Ok(draft) if self.author.is_none() => return Ok((draft, Vec::new())),
+            Err(none) if none.has_steps && !is_planners => return Err(none.failure.into()),
+            draft => draft,
+        };
+        let printed = printed_plan(world, &self.shown, &self.text);
+        let draft = match draft {
             Ok(draft) => draft,
-            Err(error) if printed.is_err() && !is_planners => return Err(error),
+            Err(none) if printed.is_err() && !is_planners => return Err(none.failure.into()),
             Err(_) => return printed,
         };
         let own = plan::resolve(world, &draft.file.task_cohesion);

@@ -76,15 +76,10 @@ impl Project {
                 Some(text) => {
                     project.set(name, folder, text.trim());
                     let domain = project.domain.as_deref().filter(|_| *name == "domain");
-                    if let Some(path) = domain.filter(|own| !domain::shipped_names().contains(own) && !is_folder(own)) {
-                        let shipped = domain::shipped_names();
-                        let near = nearest(text, shipped.iter().copied()).map(|near| format!("did you mean `{near}`?"));
-                        let names = format!("it is a folder beside this file, or one of {}", shipped.join(", "));
-                        findings.push(
-                            at(value.span().start, format!("there is no domain folder `{path}`"))
-                                .hint(near.unwrap_or(names)),
-                        );
-                    }
+                    let missing = domain.filter(|own| !domain::shipped_names().contains(own) && !is_folder(own));
+                    findings.extend(missing.map(|path| {
+                        at(value.span().start, format!("there is no domain folder `{path}`")).hint(domain_hint(text))
+                    }));
                 }
                 None => findings.push(
                     at(value.span().start, format!("`{name}` has to be a text"))
@@ -114,6 +109,15 @@ fn unknown_key(finding: Diagnostic, key: &str) -> Diagnostic {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("the keys are {}", KEYS.join(", ")),
     })
+}
+
+/// Returns the hint for a domain that is not there.
+fn domain_hint(text: &str) -> String {
+    let shipped = domain::shipped_names();
+    match nearest(text, shipped.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("it is a folder beside this file, or one of {}", shipped.join(", ")),
+    }
 }
 
 /// The folders in which a project file counts: the working folder, and those above it up to the home folder or the root of a

@@ -159,11 +159,7 @@ fn step(value: &Value, path: &Path) -> Read<WrittenStep> {
     let Ok(call) = Call::parse(&written) else {
         return wrong(&at, "should be a call such as `grasp(<cup>)`");
     };
-    let mut step = WrittenStep {
-        call,
-        implicit: Vec::new(),
-        explanation: String::new(),
-    };
+    let mut step = WrittenStep::of_call(call);
     if let Some(fault) = step.fault() {
         return wrong(&at, fault);
     }

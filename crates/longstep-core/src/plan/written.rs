@@ -34,6 +34,15 @@ pub struct WrittenStep {
 }
 
 impl WrittenStep {
+    /// Creates a step of a call alone.
+    pub(super) fn of_call(call: Call) -> Self {
+        Self {
+            call,
+            implicit: Vec::new(),
+            explanation: String::new(),
+        }
+    }
+
     /// Returns why no plan with a tree can have this step.
     pub(super) fn fault(&self) -> Option<&'static str> {
         if !is_name(&self.call.name) || is_script_keyword(&self.call.name) {
@@ -97,11 +106,7 @@ impl Rebuild<Fact, EntityId> for Writer<'_> {
 
     fn condition(&mut self, condition: &Test) -> Test<WrittenStep> {
         condition.map(&mut |step| Test::Holds(self.words(step, None)), &mut |fact| {
-            Test::Holds(WrittenStep {
-                call: self.state_call(*fact),
-                implicit: Vec::new(),
-                explanation: String::new(),
-            })
+            Test::Holds(WrittenStep::of_call(self.state_call(*fact)))
         })
     }
 

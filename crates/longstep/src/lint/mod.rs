@@ -148,9 +148,7 @@ impl Finding {
             diagnostic: Diagnostic::at(place.file, place.position, message).hint(hint),
         }
     }
-}
 
-impl Finding {
     /// Returns the finding with the name of its lint before the message.
     pub fn named(&self) -> Diagnostic {
         let mut named = self.diagnostic.clone();

@@ -1,10 +1,9 @@
 //! The steps of an agent that writes the action and its input on lines of their own: `Action: Grab`, `Action Input: {"item": "cup"}`.
 
 use super::Found;
-use super::objects::beginning;
+use super::objects::no_step;
 use super::step_value::step_with_input;
 use super::unreadable::Unreadable;
-use crate::diagnostic::Position;
 use crate::literal::{self, FENCE, LeniencyKind, Notes, Value};
 
 const ACTION: &str = "Action:";
@@ -20,10 +19,6 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
     let mut input: Option<String> = None;
     let mut first = None;
     let mut steps = Vec::new();
-    let no_step = |at: usize, line: &str| {
-        let (position, text) = (Position::of(text, at), beginning(line));
-        Some(Err(Unreadable::NoStep { position, text }))
-    };
     if !text.lines().any(|line| label(line).starts_with(INPUT)) {
         return None;
     }
@@ -38,7 +33,7 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
             .is_none_or(|line| LABELS.iter().any(|own| line.starts_with(own)));
         if is_end && let Some((begin, name)) = action.take() {
             let Some(given) = input.take() else {
-                return no_step(begin, &name);
+                return Some(Err(no_step(text, begin, &name)));
             };
             let given = given
                 .trim()
@@ -51,7 +46,7 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
             };
             let step = value.ok().and_then(|value| step_with_input(&name, &value));
             let Some(step) = step else {
-                return no_step(begin, &format!("{name} {given}"));
+                return Some(Err(no_step(text, begin, &format!("{name} {given}"))));
             };
             first.get_or_insert(begin);
             steps.push(step);

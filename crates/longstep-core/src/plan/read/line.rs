@@ -129,11 +129,7 @@ fn bracketed_step(text: &str) -> Option<WrittenStep> {
     let step = Call::parse(words.next()?).ok()?;
     let arguments: Vec<String> = words.map(str::to_owned).collect();
     let is_plain = !inside.contains(['(', ')', ',', '"']);
-    is_plain.then(|| WrittenStep {
-        call: Call { arguments, ..step },
-        implicit: Vec::new(),
-        explanation: String::new(),
-    })
+    is_plain.then(|| WrittenStep::of_call(Call { arguments, ..step }))
 }
 
 /// Marks of emphasis and quotes around a step.
@@ -289,12 +285,7 @@ fn call(text: &str) -> Option<WrittenStep> {
         return written.steps.pop();
     }
     // Names with signs that scripts do not have.
-    let call = Call::parse(text).ok()?;
-    Some(WrittenStep {
-        call,
-        implicit: Vec::new(),
-        explanation: String::new(),
-    })
+    Call::parse(text).ok().map(WrittenStep::of_call)
 }
 
 /// Reads a line of a VirtualHome script, with its character: `[GRAB] <soap> (1.1002)` of the data set, `[WALK] <kitchen> (205) [0]`,
@@ -332,12 +323,7 @@ fn virtualhome(line: &str) -> Option<(Option<String>, WrittenStep)> {
     let is_sure = !arguments.is_empty() || character.is_some() || verb.chars().all(char::is_uppercase);
     (is_verb && is_sure && rest.is_empty()).then(|| {
         let name = verb.to_owned();
-        let step = WrittenStep {
-            call: Call { name, arguments },
-            implicit: Vec::new(),
-            explanation: String::new(),
-        };
-        (character, step)
+        (character, WrittenStep::of_call(Call { name, arguments }))
     })
 }
 

@@ -135,10 +135,10 @@ impl Groups {
             at += line.len();
             while code.next_if(|part| part.end <= start).is_some() {}
             let bare = line.trim();
-            if bare.starts_with(FENCE) || is_rule(bare) {
-                if !is_rule(bare) {
-                    fence = fence.xor(Some(start));
-                }
+            if bare.starts_with(FENCE) {
+                fence = fence.xor(Some(start));
+                self.close();
+            } else if is_rule(bare) {
                 self.close();
             } else if bare.is_empty() {
                 self.is_next = false;

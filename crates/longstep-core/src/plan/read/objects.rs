@@ -307,6 +307,14 @@ fn unreadable(text: &str, start: usize, fault: Fault) -> Unreadable {
     }
 }
 
+/// Returns the error for an entry at a place of a text that is no step.
+pub(super) fn no_step(text: &str, at: usize, entry: &str) -> Unreadable {
+    Unreadable::NoStep {
+        position: Position::of(text, at),
+        text: beginning(entry),
+    }
+}
+
 /// Returns the first words of the text, on one line.
 pub(super) fn beginning(text: &str) -> String {
     const SHOWN: usize = 120;

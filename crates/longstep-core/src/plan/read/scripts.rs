@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::objects::beginning;
+use super::objects::no_step;
+use super::stray::begins_with_ellipsis;
 use super::unreadable::Unreadable;
 use super::{Block, Found, around, blocks};
 use crate::diagnostic::Position;
@@ -62,11 +63,8 @@ fn part(text: &str, inside: Range<usize>) -> Result<Written, Unreadable> {
     let mut at = inside.start;
     for line in text[inside.clone()].split_inclusive('\n') {
         let comment = line.trim_start().strip_prefix('#').map(str::trim_start);
-        if comment.is_some_and(|words| words.starts_with("...") || words.starts_with('\u{2026}')) {
-            return Err(Unreadable::NoStep {
-                position: Position::of(text, at + line.len() - line.trim_start().len()),
-                text: beginning(line),
-            });
+        if comment.is_some_and(begins_with_ellipsis) {
+            return Err(no_step(text, at + line.len() - line.trim_start().len(), line));
         }
         at += line.len();
     }

@@ -38,7 +38,7 @@ const LIST_KEYS: [&str; 21] = [
 ];
 
 /// Keys whose text is an action, or a whole call. An object with one of these needs no key for its arguments.
-const ACTION_KEYS: [&str; 9] = [
+pub(super) const ACTION_KEYS: [&str; 9] = [
     "action",
     "action_name",
     "call",
@@ -74,7 +74,7 @@ const ARGUMENT_KEYS: [&str; 9] = [
 ];
 
 /// Keys for what a step or a plan says to a person, and for the thoughts of a model. A plan there is a draft.
-const EXPLANATION_KEYS: [&str; 12] = [
+pub(super) const EXPLANATION_KEYS: [&str; 12] = [
     "comment",
     "description",
     "explanation",
@@ -90,7 +90,7 @@ const EXPLANATION_KEYS: [&str; 12] = [
 ];
 
 /// Keys that count steps and name the kind of an object, without a meaning for the plan.
-const COUNT_KEYS: [&str; 9] = [
+pub(super) const COUNT_KEYS: [&str; 9] = [
     "id",
     "index",
     "no",
@@ -127,7 +127,7 @@ const MEANING_KEYS: [&str; 18] = [
 /// Keys under which a server says why its answer ends.
 const END_KEYS: [&str; 4] = ["done_reason", "finish_reason", "status", "stop_reason"];
 
-/// What a server says there of an answer that is not whole.
+/// Reasons there for an answer that is not whole.
 const NOT_WHOLE: [&str; 5] = [
     "incomplete",
     "length",
@@ -191,7 +191,7 @@ fn before_list(before: &str) -> Listed {
 }
 
 /// Returns a key in lower case with `_` between its words: `actionName` is `action_name`.
-fn snake_case(key: &str) -> String {
+pub(super) fn snake_case(key: &str) -> String {
     let mut written = String::with_capacity(key.len() + 4);
     let mut before = '_';
     for letter in key.chars() {
@@ -223,7 +223,7 @@ fn list_under(key: &str) -> Listed {
     }
 }
 
-/// What a list may be, by the key before it.
+/// The meaning of a list, by the key before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Listed {
     /// Its texts are steps.
@@ -527,63 +527,16 @@ pub(super) fn step_with_input(action: &str, input: &Value) -> Option<WrittenStep
     Some(step)
 }
 
-/// What a column of a table says about steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Column {
-    Action,
-    /// One argument, or several with commas between them.
-    Argument,
-    Explanation,
-    Count,
-}
-
-impl Column {
-    /// Returns the meaning of a column by its head; the heads are the keys of an object that is a step.
-    pub(super) fn of_head(head: &str) -> Self {
-        let head = snake_case(head);
-        let is_key = |keys: &[&str]| keys.contains(&head.as_str());
-        if head.is_empty() || head == "#" || is_key(&COUNT_KEYS) {
-            Self::Count
-        } else if is_key(&ACTION_KEYS) {
-            Self::Action
-        } else if is_key(&EXPLANATION_KEYS) {
-            Self::Explanation
-        } else {
-            Self::Argument
-        }
-    }
-}
-
-/// Returns the step of a row: its arguments stand in the order of the columns.
-pub(super) fn step_of_row(columns: &[Column], cells: &[&str]) -> Option<WrittenStep> {
-    let own = |column: Column| {
-        let cells = columns.iter().zip(cells);
-        cells.filter(move |(own, _)| **own == column).map(|(_, cell)| *cell)
-    };
-    if cells.len() != columns.len() {
-        return None;
-    }
-    let mut step = bare_step(own(Column::Action).next()?)?;
-    for cell in own(Column::Argument).filter(|cell| !matches!(*cell, "" | "-" | "\u{2013}" | "\u{2014}")) {
-        add_arguments(&mut step, &Value::Text(cell.to_owned()))?;
-    }
-    step.explanation = own(Column::Explanation).collect::<Vec<_>>().join("; ");
-    Some(step)
-}
-
 /// Returns a step without arguments.
-fn bare_step(action: &str) -> Option<WrittenStep> {
+pub(super) fn bare_step(action: &str) -> Option<WrittenStep> {
     let action = action.trim();
     let begins = action.starts_with(char::is_alphabetic);
-    Some(WrittenStep {
-        call: Call::parse(action).ok().filter(|_| begins && !action.contains('('))?,
-        implicit: Vec::new(),
-        explanation: String::new(),
-    })
+    let call = Call::parse(action).ok().filter(|_| begins && !action.contains('('));
+    call.map(WrittenStep::of_call)
 }
 
 /// Adds arguments in the order of a list, by the names of an object, of such an object in a text, or one alone.
-fn add_arguments(step: &mut WrittenStep, value: &Value) -> Option<()> {
+pub(super) fn add_arguments(step: &mut WrittenStep, value: &Value) -> Option<()> {
     match value {
         Value::Null => {}
         Value::List(items) => {

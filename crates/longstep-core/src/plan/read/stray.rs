@@ -1,5 +1,7 @@
 //! Calls in the words around steps: nothing that may be a step is left out of a plan without a word.
 
+use rustc_hash::FxHashSet;
+
 use super::line::call_length;
 use crate::call::Call;
 use crate::plan::WrittenStep;
@@ -8,7 +10,7 @@ use crate::plan::WrittenStep;
 const MOST: usize = 16;
 
 /// The calls that a plan has, without their signs.
-pub(super) struct Known(Vec<(String, Vec<String>)>);
+pub(super) struct Known(FxHashSet<(String, Vec<String>)>);
 
 impl Known {
     pub(super) fn new<'s>(steps: impl Iterator<Item = &'s WrittenStep>) -> Self {
@@ -49,6 +51,11 @@ fn calls(words: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
+/// Returns true for words that stand for steps which were left out.
+pub(super) fn begins_with_ellipsis(words: &str) -> bool {
+    words.starts_with("...") || words.starts_with('\u{2026}')
+}
+
 /// Returns true for words that may be a step without brackets, `Close <cabinet_7>`, or that stand for steps: `...`.
 pub(super) fn may_be_steps(words: &str) -> bool {
     let is_mark = |c: char| matches!(c, '#' | '-' | '*' | '>' | '/' | '(' | '[') || c.is_whitespace();
@@ -61,7 +68,5 @@ pub(super) fn may_be_steps(words: &str) -> bool {
         let part = part.trim_end_matches(|c: char| c.is_ascii_punctuation() && c != '>');
         part.starts_with('<') && part.ends_with('>')
     };
-    words.starts_with("...")
-        || words.starts_with('\u{2026}')
-        || (begins && named.peek().is_some() && named.all(is_entity))
+    begins_with_ellipsis(words) || (begins && named.peek().is_some() && named.all(is_entity))
 }

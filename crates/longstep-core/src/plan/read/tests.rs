@@ -764,7 +764,7 @@ fn no_step_is_dropped() {
         let message = read(reply).unwrap_err().to_string();
         assert!(message.starts_with(error), "{reply}: {message}");
     }
-    // What the plan has, and words with an ending in brackets, may stand around it.
+    // Calls that the plan has, and words with an ending in brackets, may stand around it.
     for around in ["I go there, so that Grab(<pen>) works.", "These are my step(s):"] {
         assert_eq!(
             steps(&format!("{around}\n- Walk(<desk>)\n- Grab(<pen>)")).as_deref(),

@@ -79,7 +79,7 @@ pub(super) fn is_certain(effect: &Effect) -> bool {
     effect.forall.is_empty() && effect.condition == Condition::TRUE
 }
 
-fn is_quantified(effect: &Effect, term: Term) -> bool {
+pub(super) fn is_quantified(effect: &Effect, term: Term) -> bool {
     matches!(term, Term::Variable(slot) if effect.forall.iter().any(|(own, _)| *own == slot))
 }
 

@@ -4,19 +4,19 @@
 //! somewhere make the new place true and all others false.
 
 use super::Rules;
-use super::action_facts::{ActionFacts, is_certain};
+use super::action_facts::{ActionFacts, is_certain, is_quantified};
 use super::lasting::begins_with_argument;
 use crate::lint::notation::{shown, shown_term};
 use crate::lint::{Finding, Lint};
-use crate::model::{Atom, Effect, PredicateId, Term};
+use crate::model::{Atom, Effect, PredicateId};
 
 /// An action that goes somewhere.
 struct Mover {
     /// The index of the action.
     action: usize,
-    /// What is true afterwards.
+    /// The predicate that is true of the new place.
     to: PredicateId,
-    /// What is true of no entity afterwards, but for the new place.
+    /// The predicates that are true of no entity afterwards, but for the new place.
     leaves: Vec<PredicateId>,
 }
 
@@ -62,7 +62,7 @@ pub(super) fn lost_robots(rules: &Rules<'_>, findings: &mut Vec<Finding>) {
                 .any(|mover| mover.to == place && mover.leaves.contains(&place));
             let named = facts.needs.contains(&&effect.atom);
             let mut gained = facts.action.effects.iter().filter(|own| own.adds);
-            if !is_place || !named || gained.any(|own| is_robots(rules, own)) {
+            if !is_place || !named || gained.any(|own| is_robots(rules, own.atom.predicate)) {
                 continue;
             }
             let (action, predicate) = (facts.name(), &rules.domain.predicate(place).name);
@@ -76,9 +76,9 @@ pub(super) fn lost_robots(rules: &Rules<'_>, findings: &mut Vec<Finding>) {
     }
 }
 
-/// Returns true if an effect may say where the robot is: its sentence begins with words, not with a thing.
-fn is_robots(rules: &Rules<'_>, effect: &Effect) -> bool {
-    !begins_with_argument(rules.domain, effect.atom.predicate)
+/// Returns true if a fact may say where the robot is: its sentence begins with words, not with a thing.
+fn is_robots(rules: &Rules<'_>, predicate: PredicateId) -> bool {
+    !begins_with_argument(rules.domain, predicate)
 }
 
 fn movers(rules: &Rules<'_>) -> Vec<Mover> {
@@ -96,8 +96,7 @@ fn movers(rules: &Rules<'_>) -> Vec<Mover> {
             .iter()
             .filter(|atom| atom.terms.len() == 1 && rules.is_state(atom.predicate))
         {
-            let is_robots = !begins_with_argument(rules.domain, to.predicate);
-            if is_robots && leaves.contains(&to.predicate) {
+            if is_robots(rules, to.predicate) && leaves.contains(&to.predicate) {
                 movers.push(Mover {
                     action: index,
                     to: to.predicate,
@@ -111,9 +110,7 @@ fn movers(rules: &Rules<'_>) -> Vec<Mover> {
 
 /// Returns true for an effect on all facts of a predicate.
 fn is_of_all(effect: &Effect) -> bool {
-    let is_quantified =
-        |term: &Term| matches!(term, Term::Variable(slot) if effect.forall.iter().any(|(own, _)| own == slot));
-    !effect.forall.is_empty() && effect.atom.terms.iter().all(is_quantified)
+    !effect.forall.is_empty() && effect.atom.terms.iter().all(|term| is_quantified(effect, *term))
 }
 
 fn removes_some(facts: &ActionFacts<'_>, predicate: PredicateId) -> bool {
