@@ -22,6 +22,9 @@ struct Fitting {
     steps: Vec<String>,
 }
 
+/// Why a step is not repeated again that had its own effects, and after which something else is missing.
+const IN_VAIN: &str = "what it was for did not come about";
+
 impl Execution {
     /// Sorts a difference, and continues with the rest of the plan, or with a change of it.
     pub(super) fn assess(&mut self) {
@@ -190,14 +193,14 @@ impl Execution {
 
     /// Counts a failure of each step that is repeated because an effect of it is missing; it may be one too many. What is
     /// repeated because it follows such a step has not failed.
-    fn count_repeated(&mut self, repeated: &[GroundAction]) {
+    pub(super) fn count_repeated(&mut self, repeated: &[GroundAction]) {
         let first = self.since.len().saturating_sub(repeated.len());
         let missing = self.without_effect();
         let of_repeated = missing.into_iter().filter(|index| *index >= first);
         let failed: Vec<GroundAction> = of_repeated.map(|index| self.since[index].clone()).collect();
         let (failed, why) = match failed.is_empty() {
             // What is missing is no effect of theirs, and comes about if they are repeated.
-            true => (repeated.to_vec(), "what it was for did not come about"),
+            true => (repeated.to_vec(), IN_VAIN),
             false => (failed, "it had no effect"),
         };
         for step in failed {
@@ -241,6 +244,12 @@ impl Execution {
             false => now,
         };
         rest.map(|rest| rest.plan).unwrap_or_default()
+    }
+
+    /// Returns true if a step is left out that had its own effects: that nothing else leads to the goal proves no more than a limit
+    /// does.
+    pub(super) fn leaves_out_what_worked(&self) -> bool {
+        self.forbidden.iter().any(|(_, why)| why == IN_VAIN)
     }
 
     /// Stops because no plan was found, with the steps that the robot cannot do.

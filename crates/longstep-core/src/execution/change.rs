@@ -84,6 +84,10 @@ impl Execution {
                     Approval::Changes | Approval::EachStep => self.propose(Subject::Change(change)),
                 }
             }
+            Attempt::NoPlan if self.leaves_out_what_worked() => self.no_plan(|failed| Stop::GaveUp {
+                why: "nothing else leads to the goal".to_owned(),
+                failed,
+            }),
             Attempt::NoPlan => {
                 let why = why_not(here, purpose, &Limits::default());
                 self.no_plan(|failed| Stop::NoPlan { why, failed });
