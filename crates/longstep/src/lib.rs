@@ -90,3 +90,4 @@ mod reading;
 pub mod report;
 pub mod session;
 mod usage;
+pub mod understanding;

@@ -73,7 +73,7 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
 }
 
 /// Returns the fixed messages: the task, then two messages for each example.
-pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
+pub(crate) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
     let mut task = domain.prompts.goal.clone();
     if kind == ConstraintKind::JsonSchema {
         task.push_str(
@@ -129,6 +129,6 @@ pub(super) fn scene_text(objects: &[(String, String)], places: &[(String, String
 }
 
 /// Returns the user message. The scene comes first, since it changes less often than the instruction.
-pub(super) fn scene_and_instruction(scene: &str, instruction: &str) -> String {
+pub(crate) fn scene_and_instruction(scene: &str, instruction: &str) -> String {
     format!("{scene}\nInstruction: {instruction}")
 }

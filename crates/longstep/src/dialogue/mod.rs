@@ -48,7 +48,7 @@ pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
 pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Likelihood, Message, Reply, Role, Round, Task};
 pub use count::{Counting, EstimatedTokens, TokenCounter};
 pub use direct::{Prepared, direct_request};
-pub(crate) use example::{check_example, render_goal_prompt};
+pub(crate) use example::{check_example, fixed_turns, render_goal_prompt, scene_and_instruction};
 pub use explain::{Explanation, PartShare, explain};
 pub use fitted::FittedDialogue;
 pub use focus::{Focus, focus};
