@@ -1,0 +1,86 @@
+//! When an answer of a model is acted on, and when the person is asked: one table.
+
+/// What is known about a model's answers, and the limits that follow. Likelihoods are in thousandths of a nat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Profile {
+    /// The name, for `--explain`.
+    pub name: &'static str,
+    /// The likelihood below which a goal is a question; none for a model that is believed.
+    pub goal: Option<i64>,
+    /// The likelihood above which the best goal is acted on although the model would ask.
+    pub instead_of_question: Option<i64>,
+}
+
+impl Profile {
+    /// A model with the adapter for this request. The limits were set on the development suites (`kitchen` and `test`).
+    pub const TRAINED: Self = Self {
+        name: "trained",
+        goal: Some(-700),
+        instead_of_question: Some(-700),
+    };
+    /// A model that gives likelihoods and was not trained: it is sure of little.
+    pub const UNTRAINED: Self = Self {
+        name: "untrained",
+        goal: Some(-1500),
+        instead_of_question: None,
+    };
+    /// A model without likelihoods, as servers have them. It is strong, or chosen by somebody who knows it: it is believed.
+    pub const BELIEVED: Self = Self {
+        name: "believed",
+        goal: None,
+        instead_of_question: None,
+    };
+}
+
+/// The row of the table that decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Decision {
+    /// The goal is likely enough, or the model is believed.
+    Act,
+    /// The model would ask, and its best goal is likely enough.
+    ActInsteadOfAsking,
+    /// The goal is not likely enough.
+    AskForUnlikely,
+    /// The model asks.
+    Ask,
+}
+
+impl Profile {
+    /// Decides about an answer: `question` says that the model would ask, `likelihood` is that of its best goal.
+    pub fn decide(&self, question: bool, likelihood: Option<i64>) -> Decision {
+        let reaches = |limit: Option<i64>| match (limit, likelihood) {
+            (Some(limit), Some(likelihood)) => likelihood >= limit,
+            (Some(_), None) => false,
+            (None, _) => true,
+        };
+        match question {
+            true if self.instead_of_question.is_some() && reaches(self.instead_of_question) => {
+                Decision::ActInsteadOfAsking
+            }
+            true => Decision::Ask,
+            false if self.goal.is_none() || likelihood.is_none() || reaches(self.goal) => Decision::Act,
+            false => Decision::AskForUnlikely,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_answer_has_its_row() {
+        for (profile, question, likelihood, expected) in [
+            (Profile::TRAINED, false, Some(-10), Decision::Act),
+            (Profile::TRAINED, false, Some(-5000), Decision::AskForUnlikely),
+            (Profile::TRAINED, true, Some(-10), Decision::ActInsteadOfAsking),
+            (Profile::TRAINED, true, Some(-5000), Decision::Ask),
+            (Profile::TRAINED, true, None, Decision::Ask),
+            (Profile::UNTRAINED, true, Some(-10), Decision::Ask),
+            (Profile::BELIEVED, false, None, Decision::Act),
+            (Profile::BELIEVED, true, None, Decision::Ask),
+        ] {
+            assert_eq!(profile.decide(question, likelihood), expected, "{}", profile.name);
+        }
+    }
+}
