@@ -140,6 +140,11 @@ impl Transcript {
         Ok(None)
     }
 
+    /// Returns the messages, the fixed ones first.
+    pub fn messages(&self) -> &[Message] {
+        &self.messages
+    }
+
     /// Returns the model's answer so far.
     pub fn answer(&self) -> &str {
         &self.answer

@@ -3,6 +3,7 @@
 use indexmap::IndexMap;
 use longstep_core::model::written_fact;
 
+use super::left_out::{LeftOut, LeftOutKind};
 use super::sayable;
 use crate::dialogue::DialogueError;
 use crate::dialogue::answer_grammar::Form;
@@ -14,8 +15,8 @@ use crate::model::{FormPiece, Function, GoalWord};
 const PARTS: usize = 8;
 /// The largest number of stages.
 const STAGES: usize = 6;
-/// The word before the words of an instruction that the goal does not say.
-const LEFT_OUT: &str = " | left out: ";
+/// The word before the words of an instruction that the goal does not say, and their kind.
+const LEFT_OUT: &str = " | left out ";
 /// The beginning of an answer that asks the person.
 const QUESTION: &str = "question:";
 
@@ -25,7 +26,7 @@ pub struct Answer {
     /// The goal; none if the model asks.
     pub goal: Option<Goal>,
     /// The words of the instruction that the goal does not say.
-    pub left_out: Option<String>,
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Reads an answer.
@@ -38,13 +39,18 @@ pub fn read(world: &World, text: &str) -> Result<Answer, DialogueError> {
     if text.starts_with(QUESTION) {
         return Ok(Answer::default());
     }
-    let (goal, left_out) = match text.split_once(LEFT_OUT) {
-        Some((goal, words)) => (goal, Some(words.trim().to_owned())),
-        None => (text, None),
-    };
+    let mut parts = text.split(LEFT_OUT);
+    let goal = parts.next().unwrap_or_default();
+    let left_out = parts.filter_map(|part| {
+        let (kind, words) = part.split_once(": ")?;
+        Some(LeftOut {
+            text: words.trim().to_owned(),
+            kind: LeftOutKind::read(kind)?,
+        })
+    });
     Ok(Answer {
+        left_out: left_out.collect(),
         goal: Some(goal::parse(world, goal)?),
-        left_out,
     })
 }
 
@@ -77,7 +83,12 @@ fn with_left_out(answer: Form, instruction: &str) -> Form {
     match spans(instruction) {
         Some(spans) => Form::Row(vec![
             answer,
-            Form::Row(vec![Form::text(LEFT_OUT), spans]).optional(),
+            Form::Row(vec![
+                Form::text(LEFT_OUT),
+                Form::texts(LeftOutKind::ALL.map(|kind| format!("{kind}: "))),
+                spans,
+            ])
+            .optional(),
         ]),
         None => answer,
     }

@@ -4,8 +4,12 @@
 //! writes the same language: goals, stages, groups, conditions, constraints, and the words that none of these says.
 
 mod answer;
+mod left_out;
+mod profile;
 mod request;
 mod sayable;
 
+pub use left_out::{LeftOut, LeftOutKind};
 pub use answer::{Answer, read};
+pub use profile::{Decision, Profile};
 pub use request::{UnderstandingDialogue, UnderstandingInput};
