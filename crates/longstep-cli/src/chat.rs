@@ -155,13 +155,9 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
     }
     let mut session = resumed.session;
     folder.mend(&session)?;
-    // A session of an older program was begun without screening.
     let chosen = arguments.strategy.settings();
     let settings = Settings {
         accept: arguments.yes,
-        screening: chosen.screening,
-        forbidding: chosen.forbidding,
-        retelling: chosen.retelling,
         partial: chosen.partial,
         effort: arguments.strategy.effort.or(session.settings().effort),
         ..session.settings()

@@ -26,11 +26,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let mut model = ask::model(arguments.model.name(), &arguments.model)?;
     let opened = stopwatch() - opening;
     let facts = model.facts();
-    // The prompt to explain is the one for goals.
-    let settings = Settings {
-        screening: arguments.strategy.settings().screening && !arguments.explain_prompt,
-        ..arguments.strategy.settings()
-    };
+    let settings = arguments.strategy.settings();
     let mut session = Session::new(named, domain, world, settings, facts, stopwatch);
     // A new session waits for an instruction.
     session.instruct(instruction)?;

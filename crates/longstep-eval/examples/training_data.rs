@@ -1,22 +1,19 @@
-//! Prints what a model is trained on: one JSON object for each instruction of the given suites, or for each paragraph of
-//! texts for the screening and for descriptions.
+//! Prints what a model is trained on: one JSON object for each instruction of the given suites, or for each paragraph of texts.
 //!
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/understanding/training/*
-//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/screening/*.txt
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/descriptions/*.txt
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/changes/*.txt
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/compositions/*.txt
-//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/retelling/*.txt
 //!
 //! An object has the suite, the fixed messages of the request (`fixed`, pairs of role and text), the last message up to the
-//! instruction (`lead`), the instruction, and the expected answer, which is null where a question is expected. Chains, orders
-//! and prohibitions of suites are left out: a goal request has no words for them. A text for the screening has paragraphs of two
-//! lines: an instruction, and the answer. A text of descriptions begins with its domain (`domain: household`); its paragraphs are
+//! instruction (`lead`), the instruction, and the expected answer, which is null where a question is expected. Of a suite, cases
+//! with one instruction count. Their tags say what a goal of a suite does not: `left out KIND: WORDS`; `meaning: GOAL` for a case that
+//! expects a question because nothing is to be done (a prohibition alone); `first: ANSWER` and `remark: WORDS` for what was answered before, and
+//! said then. A text of descriptions begins with its domain (`domain: household`); its paragraphs are
 //! answers, which have the sentences of the description in them. A text of changes begins with its suite
 //! (`suite: scripts/understanding/training/bakery`); a paragraph has the id of a case, whose plan is searched for, and lines of what a
 //! person says about the plan, and the answer (`Leave out step 3. => drop 3`). `--plans SUITE` prints the cases with their plans, for
-//! those who write such texts. A text of retellings begins with its suite, too; each further line is the id of a case, ` => ` and the
-//! case's words in plain English. A text of compositions has paragraphs as the model sees them (`Plans:`, `Checks:`, `Wish:`), `=>`, and the
+//! those who write such texts. A text of compositions has paragraphs as the model sees them (`Plans:`, `Checks:`, `Wish:`), `=>`, and the
 //! program that puts the plans together.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -24,14 +21,13 @@ use std::error::Error;
 use std::path::Path;
 
 use longstep::compose::{self, CompositionAnswer, CompositionDialogue, CompositionInput};
-use longstep::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, GoalDialogue, GoalInput, Likelihood, Reply, RetellingDialogue, Role,
-    ScreeningDialogue,
-};
+use longstep::dialogue::{ChatRequest, ConstraintKind, Dialogue, Likelihood, Reply, Role};
 use longstep::domain::Domain;
 use longstep::feedback::{Amended, FeedbackDialogue, FeedbackInput, Wish, amend};
 use longstep::perception::{SightDialogue, SightInput};
+use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::environment::{self, World};
+use longstep_core::goal;
 use longstep_core::plan::Plan;
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_eval::suite::{self, Case, Expected, Files, Suite};
@@ -57,21 +53,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             if let Some(text) = text.strip_prefix("domain: ") {
                 described(&name, text)?;
             } else if let Some(text) = text.strip_prefix("suite: ") {
-                match text.lines().nth(1).is_some_and(|line| line.contains(" => ")) {
-                    true => retold(&name, text)?,
-                    false => changed(&name, text)?,
-                }
-            } else if text.starts_with("Plans:") {
-                composed(&name, &text)?;
+                changed(&name, text)?;
             } else {
-                screened(&name, &text)?;
+                composed(&name, &text)?;
             }
             continue;
         }
         let (domain, suite) = read_suite(folder)?;
         let mut written = 0;
         for case in &suite.cases {
-            if let Some(object) = training_case(&suite, &domain, case) {
+            if let Some(object) = object(&suite, &domain, case) {
                 println!("{object}");
                 written += 1;
             }
@@ -200,35 +191,6 @@ fn changed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints the objects of a text of retellings.
-fn retold(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
-    let (_, suite, text) = suite_of(text)?;
-    let mut written = 0;
-    for line in text.trim().lines() {
-        let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{line}`");
-        let (id, plain) = line.split_once(" => ").ok_or_else(|| wrong(&"there is no arrow"))?;
-        let case = case_of(&suite, id).ok_or_else(|| wrong(&"there is no such case"))?;
-        let [step] = &case.steps[..] else {
-            return Err(wrong(&"the case is a chain").into());
-        };
-        let mut world = suite.world(case);
-        world.add_values(&step.says);
-        let mut dialogue = RetellingDialogue::new(&world, &step.says);
-        let request = dialogue.request();
-        dialogue.supply(&reply(plain.trim())).map_err(|error| wrong(&error))?;
-        let query = &request.messages[request.fixed].text;
-        let (lead, says) = query.split_once('\n').ok_or("the request has no instruction")?;
-        println!(
-            "{}",
-            json!({"suite": suite.name, "id": id, "fixed": fixed(&request), "lead": format!("{lead}\n"),
-                "instruction": says, "answer": plain.trim()})
-        );
-        written += 1;
-    }
-    eprintln!("{name}: {written}");
-    Ok(())
-}
-
 /// Prints the objects of a text of compositions.
 fn composed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
     let domain = longstep_llm::load_domain("household")?;
@@ -268,26 +230,6 @@ fn composed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
         );
     }
     eprintln!("{name}: {count}");
-    Ok(())
-}
-
-/// Prints the objects of a text for the screening.
-fn screened(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
-    for paragraph in text.trim().split("\n\n") {
-        let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{paragraph}`");
-        let (instruction, answer) = paragraph
-            .trim()
-            .split_once('\n')
-            .ok_or_else(|| wrong(&"there is no answer"))?;
-        let mut dialogue = ScreeningDialogue::new(instruction);
-        let request = dialogue.request();
-        dialogue.supply(&reply(answer)).map_err(|error| wrong(&error))?;
-        let fixed = fixed(&request);
-        println!(
-            "{}",
-            json!({"suite": "screening", "fixed": fixed, "lead": "", "instruction": instruction, "answer": answer})
-        );
-    }
     Ok(())
 }
 
@@ -362,32 +304,41 @@ fn fixed(request: &ChatRequest) -> Vec<Value> {
     fixed.map(|own| json!([role(own.role), own.text])).collect()
 }
 
-/// Returns the object of a case, or none if a goal request cannot be answered with what is expected.
-fn training_case(suite: &Suite, domain: &longstep::domain::Domain, case: &Case) -> Option<Value> {
+fn object(suite: &Suite, domain: &Domain, case: &Case) -> Option<Value> {
     let [step] = &case.steps[..] else { return None };
-    let world = suite.judged_world(case);
-    let answer = match &step.expected {
-        Expected::Question => None,
-        Expected::Plan(goals) => {
-            let goal = goals.first()?;
-            if !goal.constraints.is_empty() || !goal.stages.is_empty() || !goal.groups.is_empty() {
-                return None;
-            }
-            let facts: Vec<String> = goal.facts.iter().map(|fact| fact.everyday(&world)).collect();
-            Some(facts.join(" & "))
-        }
-        Expected::Refusal | Expected::Either | Expected::Nothing => return None,
+    let judged = suite.judged_world(case);
+    let tagged = |name: &'static str| case.tags.iter().filter_map(move |tag| tag.strip_prefix(name)).map(str::trim);
+    let mut answer = match (tagged("meaning:").next(), &step.expected) {
+        (Some(meaning), _) => Some(match goal::parse(&judged, meaning) {
+            Ok(goal) => goal.text(&judged),
+            // What the language of goals has no words for yet.
+            Err(_) => meaning.to_owned(),
+        }),
+        (None, Expected::Question) => None,
+        (None, Expected::Plan(goals)) => Some(goals.first()?.text(&judged)),
+        (None, Expected::Refusal | Expected::Either | Expected::Nothing) => return None,
     };
+    if let Some(answer) = &mut answer {
+        for words in tagged("left out ") {
+            answer.push_str(&format!(" | left out {words}"));
+        }
+    }
+    let rounds: Vec<[&str; 2]> = tagged("first:")
+        .zip(tagged("remark:"))
+        .map(|(reply, message)| [reply, message])
+        .collect();
     let mut world = suite.world(case);
-    // A session adds them, too.
     world.add_values(&step.says);
-    let input = GoalInput::new(domain, &world, &step.says, ConstraintKind::Grammar);
-    let request = GoalDialogue::new(input).request();
-    let query = &request.messages.get(request.fixed)?.text;
-    let (scene, instruction) = query.rsplit_once("Instruction: ")?;
+    let dialogue = Understanding::new(UnderstandingInput {
+        examples: None,
+        ..UnderstandingInput::new(domain, &world, &step.says, ConstraintKind::Grammar)
+    });
+    let (query, fixed) = dialogue.transcript().messages().split_last()?;
+    let (scene, instruction) = query.text.rsplit_once("Instruction: ")?;
+    let fixed: Vec<Value> = fixed.iter().map(|own| json!([role(own.role), own.text])).collect();
     Some(json!({
-        "suite": suite.name, "id": case.id, "fixed": fixed(&request),
-        "lead": format!("{scene}Instruction:"), "instruction": format!(" {instruction}"), "answer": answer,
+        "suite": suite.name, "id": case.id, "fixed": fixed, "lead": format!("{scene}Instruction:"),
+        "instruction": format!(" {instruction}"), "rounds": rounds, "answer": answer,
     }))
 }
 

@@ -24,12 +24,6 @@ pub(crate) struct StrategyArguments {
     /// Do not ask about the parts of an instruction that the plan leaves out
     #[arg(long)]
     pub(crate) accept_partial: bool,
-    /// Do not ask an embedded model what an instruction forbids, measures or orders before it writes the goal
-    #[arg(long)]
-    pub(crate) no_screening: bool,
-    /// Do not let an embedded model retell in plain English what it could only ask about
-    #[arg(long)]
-    pub(crate) no_retelling: bool,
     /// Folder with your own prompt parts (role.md, actions.md, ...), which replace the domain's
     #[arg(long, value_name = "FOLDER")]
     pub(crate) prompt: Option<PathBuf>,
@@ -59,8 +53,6 @@ impl StrategyArguments {
             rounds: self.rounds,
             effort: self.effort,
             partial: self.accept_partial,
-            screening: !self.no_screening,
-            retelling: !self.no_retelling,
             ..Settings::default()
         }
     }

@@ -72,7 +72,7 @@ impl Choice {
     pub(super) fn sentence(&self, voice: Voice, world: &World) -> String {
         let counted = self.groups.iter().filter(|group| group.quantifier != Quantifier::Any);
         let counted = counted.map(|group| {
-            let number = match group.quantifier {
+            let number = match group.count() {
                 Quantifier::Exactly(number) => format!("exactly {number}"),
                 other => format!("at least {}", other.least()),
             };
@@ -156,7 +156,7 @@ impl Choice {
         };
         let all: Vec<usize> = (0..self.goals.len()).collect();
         let condition = self.nested(0, &all, part, &|quantifier, parts| match quantifier {
-            Quantifier::All => Condition::And(parts),
+            Quantifier::All | Quantifier::AllBut(_) => Condition::And(parts),
             Quantifier::Any => Condition::Or(parts),
             Quantifier::AtLeast(number) => at_least(number, &parts),
             Quantifier::Exactly(number) => Condition::And(vec![
@@ -190,7 +190,7 @@ impl Choice {
             let own: Vec<usize> = own.collect();
             self.nested(level + 1, &own, part, count)
         };
-        count(group.quantifier, group.members.iter().map(of_member).collect())
+        count(group.count(), group.members.iter().map(of_member).collect())
     }
 
     /// Returns the number of copies of alternatives in the condition; see [`at_least`].
@@ -199,8 +199,8 @@ impl Choice {
         let mut copies = |number: usize, group: &Group| copies(number, group.members.len(), &mut known);
         let mut size = 1_usize;
         for group in &self.groups {
-            size = size.saturating_mul(match group.quantifier {
-                Quantifier::All | Quantifier::Any => group.members.len(),
+            size = size.saturating_mul(match group.count() {
+                Quantifier::All | Quantifier::Any | Quantifier::AllBut(_) => group.members.len(),
                 Quantifier::AtLeast(number) => copies(number, group),
                 Quantifier::Exactly(number) => copies(number, group).saturating_add(copies(number + 1, group)),
             });

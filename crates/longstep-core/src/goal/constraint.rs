@@ -36,7 +36,7 @@ pub const ALWAYS: &str = "always ";
 /// The word for an entity that must be left alone.
 const UNTOUCHED: &str = "untouched";
 /// The notation of any argument of a call.
-const ANY: &str = "_";
+pub(super) const ANY: &str = "_";
 
 impl Constraint {
     /// Reads a constraint; none if the text is a goal.

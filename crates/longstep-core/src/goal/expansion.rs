@@ -4,7 +4,7 @@
 //! of members, with identifiers in the places of the groups. `all` gives one goal for each member; the other quantifiers
 //! give a [`Choice`].
 
-use super::constraint::{ALWAYS, NEVER};
+use super::constraint::{ALWAYS, ANY, NEVER};
 use super::{Choice, Constraint, GoalError, GoalFact, Group, Quantifier, fact};
 use crate::call::unquoted;
 use crate::effort;
@@ -22,6 +22,9 @@ const ALTERNATIVES: usize = 4_000;
 
 /// Maximum number of ways to read the commas of a text.
 const READINGS: usize = 16;
+
+/// The group for which `_` stands in a goal that is forbidden.
+const ANYTHING: &str = "any thing";
 
 /// A part of a goal, with its groups expanded.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -47,6 +50,15 @@ impl From<GoalFact> for Expansion {
 /// The error in the text.
 pub(super) fn part(world: &World, text: &str) -> Result<Expansion, GoalError> {
     let is_goal = !text.starts_with(NEVER) && !text.starts_with(ALWAYS) && !Constraint::is_untouched(text);
+    // `_` in a call of an action stands for any argument; in a goal it stands for any entity.
+    let anything;
+    let text = match is_goal || Constraint::read(world, text).is_ok() {
+        true => text,
+        false => {
+            anything = with_anything(text);
+            &anything
+        }
+    };
     let readings = readings(world, text);
     if readings.is_empty() {
         return Ok(match Constraint::read(world, text)? {
@@ -65,6 +77,20 @@ pub(super) fn part(world: &World, text: &str) -> Result<Expansion, GoalError> {
             places.constraints(world, text)
         }
     })
+}
+
+/// Returns a text with a group of any entities in place of each argument `_`.
+fn with_anything(text: &str) -> String {
+    let mut written = String::new();
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once(ANY) {
+        let begins = before.trim_end().ends_with(['(', ',']);
+        let ends = after.trim_start().starts_with([')', ',']);
+        written.push_str(before);
+        written.push_str(if begins && ends { ANYTHING } else { ANY });
+        rest = after;
+    }
+    written + rest
 }
 
 /// Expands a goal without conditions.
@@ -399,7 +425,8 @@ impl<'t> Places<'t> {
         for (place, group) in groups.iter().enumerate() {
             let takes_part = |member: &EntityId| goals.iter().any(|(members, _)| members[place] == *member);
             let members: Vec<EntityId> = group.members.iter().copied().filter(takes_part).collect();
-            let least = group.quantifier.least();
+            let group = group.with_members(members);
+            let (least, members) = (group.count().least(), group.members.clone());
             if least == 0 || least > members.len() {
                 return Err(GoalError::TooFewMembers {
                     part: self.written(),
@@ -407,7 +434,7 @@ impl<'t> Places<'t> {
                     members: members.len(),
                 });
             }
-            own.push(group.with_members(members));
+            own.push(group);
         }
         let choice = Choice { groups: own, goals };
         if choice.size() > ALTERNATIVES {
@@ -421,7 +448,7 @@ impl<'t> Places<'t> {
         let each = |group: &Group| match group.quantifier {
             Quantifier::All => true,
             Quantifier::Any => !text.starts_with(ALWAYS),
-            Quantifier::AtLeast(_) | Quantifier::Exactly(_) => false,
+            Quantifier::AtLeast(_) | Quantifier::Exactly(_) | Quantifier::AllBut(_) => false,
         };
         let constraints = if self.groups.iter().all(each) {
             self.constraint_leaves(world)?

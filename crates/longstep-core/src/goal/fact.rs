@@ -3,7 +3,7 @@
 use super::names::entities;
 use super::{GoalError, GoalFact, NumberGoal};
 use crate::call::{Call, find_unquoted};
-use crate::model::{Fact, FormPiece, GoalWord, GoalWordId, Predicate, PredicateId, TypeId, World, ground, state_word};
+use crate::model::{Fact, FormPiece, GoalWord, GoalWordId, Predicate, PredicateId, TypeId, World, ground};
 
 /// Reads a fact in a state word, with the subject as first argument; none if the text has another form.
 pub(super) fn state(world: &World, part: &str) -> Result<Option<Fact>, GoalError> {
@@ -21,15 +21,18 @@ pub(super) fn state(world: &World, part: &str) -> Result<Option<Fact>, GoalError
     Ok(Some(ground(&word.atom, &bindings)))
 }
 
-/// Reads a fact of a predicate without a state word, by its name in PDDL; none if there is no such predicate.
+/// Reads a fact of a predicate by its name in PDDL, or with `_` for its `-`; none if there is no such predicate.
 fn bare(world: &World, part: &str, call: &Call) -> Result<Option<Fact>, GoalError> {
     let domain = world.domain();
-    let is = |predicate: &Predicate| predicate.name == call.name && predicate.parameters.len() == call.arguments.len();
+    let is = |predicate: &Predicate| {
+        let is_named = predicate.name == call.name || predicate.name.replace('-', "_") == call.name;
+        is_named && predicate.parameters.len() == call.arguments.len()
+    };
     let Some(index) = domain.predicates.iter().position(is) else {
         return Ok(None);
     };
     let id = PredicateId::new(index);
-    if state_word(domain, id).is_some() || !domain.words(id).fluent {
+    if !domain.words(id).fluent {
         return Ok(None);
     }
     let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();

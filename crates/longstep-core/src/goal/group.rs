@@ -12,6 +12,12 @@ use crate::model::{
 const WHERE: &str = " where ";
 /// The word before the exceptions of a group.
 const EXCEPT: &str = " except ";
+/// The word between conditions of which one is enough.
+const OR: &str = " or ";
+/// The word before a list of names.
+const OF: &str = "of ";
+/// The words before a number of members that are left.
+const ALL_BUT: &str = "all but ";
 /// The word before a negated condition.
 const NOT: &str = "not ";
 /// The nouns of a group of any entities.
@@ -31,11 +37,16 @@ pub enum Quantifier {
     AtLeast(usize),
     /// `exactly 2 of`: this many members.
     Exactly(usize),
+    /// `all but 1 of`: all members but this many, and not these.
+    AllBut(usize),
 }
 
 impl Quantifier {
     /// Reads the quantifier at the beginning of a text; returns it with the text after it.
     fn read(text: &str) -> Option<(Self, &str)> {
+        if let Some((number, rest)) = text.strip_prefix(ALL_BUT).and_then(count) {
+            return Some((Self::AllBut(number), rest));
+        }
         for (word, quantifier) in [("all ", Self::All), ("each ", Self::All), ("any ", Self::Any)] {
             if let Some(rest) = text.strip_prefix(word) {
                 return Some((quantifier, rest.trim_start()));
@@ -45,15 +56,13 @@ impl Quantifier {
             Some(rest) => (true, rest.trim_start()),
             None => (false, text),
         };
-        let digits = text.len() - text.trim_start_matches(|letter: char| letter.is_ascii_digit()).len();
-        let rest = text[digits..].strip_prefix(" of ")?;
-        let number = text[..digits].parse().ok()?;
+        let (number, rest) = count(text)?;
         let quantifier = if exactly {
             Self::Exactly(number)
         } else {
             Self::AtLeast(number)
         };
-        Some((quantifier, rest.trim_start()))
+        Some((quantifier, rest))
     }
 
     fn written(self) -> String {
@@ -62,16 +71,41 @@ impl Quantifier {
             Self::Any => "any".to_owned(),
             Self::AtLeast(number) => format!("{number} of"),
             Self::Exactly(number) => format!("exactly {number} of"),
+            Self::AllBut(number) => format!("{ALL_BUT}{number} of"),
+        }
+    }
+
+    /// Returns the quantifier for so many members: that all but one of four are wanted means exactly three.
+    fn among(self, members: usize) -> Self {
+        match self {
+            Self::AllBut(number) => Self::Exactly(members.saturating_sub(number)),
+            other => other,
         }
     }
 
     /// Returns the smallest number of members that satisfies the quantifier.
     pub(super) fn least(self) -> usize {
         match self {
-            Self::All | Self::Any => 1,
+            Self::All | Self::Any | Self::AllBut(_) => 1,
             Self::AtLeast(number) | Self::Exactly(number) => number,
         }
     }
+}
+
+/// Reads a number with `of` behind it at the beginning of a text; returns it with the text after it.
+fn count(text: &str) -> Option<(usize, &str)> {
+    let digits = text.len() - text.trim_start_matches(|letter: char| letter.is_ascii_digit()).len();
+    let rest = text[digits..].strip_prefix(" of ")?;
+    Some((text[..digits].parse().ok()?, rest.trim_start()))
+}
+
+/// The entities that a group is about, before its conditions.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+enum Noun {
+    /// A kind, as it was written.
+    Kind(String),
+    /// These entities, which were named one by one.
+    Named(Vec<EntityId>),
 }
 
 /// A condition on the members of a group, evaluated when the goal is read.
@@ -92,9 +126,9 @@ pub struct Group {
     pub quantifier: Quantifier,
     /// The members in the world in which the goal was read.
     pub members: Vec<EntityId>,
-    /// The kind, as it was written.
-    kind: String,
-    conditions: Vec<Selector>,
+    noun: Noun,
+    /// Lists of conditions: a member meets all of one of them. No list, and every entity is a member.
+    conditions: Vec<Vec<Selector>>,
     exceptions: Vec<EntityId>,
 }
 
@@ -123,6 +157,18 @@ impl Group {
                 near: None,
             });
         };
+        if let Some(names) = listed(rest) {
+            let mut members = names::entities(world, text, &names, &vec![TypeId::OBJECT; names.len()])?;
+            members.sort_unstable();
+            members.dedup();
+            return Ok(Self {
+                quantifier,
+                noun: Noun::Named(members.clone()),
+                members,
+                conditions: Vec::new(),
+                exceptions: Vec::new(),
+            });
+        }
         let rest = without_parentheses(rest);
         let (rest, exceptions) = match rest.split_once(EXCEPT) {
             Some((rest, exceptions)) => (rest, Some(exceptions)),
@@ -144,21 +190,20 @@ impl Group {
                 near: near.map(str::to_owned),
             });
         }
-        let conditions = conditions.map_or(Ok(Vec::new()), |all| {
-            let all = all
-                .split('&')
-                .map(|condition| Selector::read(world, text, condition.trim()));
-            all.collect::<Result<Vec<_>, _>>()
+        let all_of = |conditions: &str| -> Result<Vec<Selector>, GoalError> {
+            let all = conditions.split('&');
+            all.map(|condition| Selector::read(world, text, condition.trim())).collect()
+        };
+        let conditions = conditions.map_or(Ok(Vec::new()), |any| {
+            any.split(OR).map(all_of).collect::<Result<Vec<_>, GoalError>>()
         })?;
         let exceptions = exceptions.map_or(Ok(Vec::new()), |names| excepted(world, text, names))?;
-        let mut members = of_kind.clone();
-        for condition in &conditions {
-            let known = members.iter().map(|member| condition.is_met(world, text, *member));
-            let known = known.collect::<Result<Vec<bool>, GoalError>>()?;
-            let mut met = known.into_iter();
-            members.retain(|_| met.next().unwrap_or(false));
+        let mut members = Vec::new();
+        for member in &of_kind {
+            if !exceptions.contains(member) && meets(&conditions, world, text, *member)? {
+                members.push(*member);
+            }
         }
-        members.retain(|member| !exceptions.contains(member));
         if members.is_empty() {
             let why = reasons(world, &of_kind, &conditions, &exceptions);
             return Err(GoalError::NoMember {
@@ -169,22 +214,27 @@ impl Group {
         Ok(Self {
             quantifier,
             members,
-            kind: kind.to_owned(),
+            noun: Noun::Kind(kind.to_owned()),
             conditions,
             exceptions,
         })
     }
 
+    /// Returns the quantifier for the members that there are.
+    pub(super) fn count(&self) -> Quantifier {
+        self.quantifier.among(self.members.len())
+    }
+
     /// Returns all entities in the group: its members, those in its conditions, and the exceptions.
     pub fn about(&self) -> Vec<EntityId> {
-        let conditions = self.conditions.iter().flat_map(|own| own.arguments.iter());
+        let conditions = self.conditions.iter().flatten().flat_map(|own| own.arguments.iter());
         let all = self.members.iter().chain(conditions).chain(&self.exceptions);
         all.copied().collect()
     }
 
     /// Returns true if the kind is a type of the domain, and no name of entities.
     pub fn is_of_type(&self, domain: &Domain) -> bool {
-        type_of(domain, &self.kind).is_some()
+        matches!(&self.noun, Noun::Kind(kind) if type_of(domain, kind).is_some())
     }
 
     /// Returns the group with a selection of its members.
@@ -197,10 +247,18 @@ impl Group {
 
     /// Writes the group in the goal language; `name` gives the name of each entity.
     pub(super) fn written(&self, name: &dyn Fn(EntityId) -> String) -> String {
-        let mut text = format!("{} {}", self.quantifier.written(), self.kind);
-        let conditions: Vec<String> = self.conditions.iter().map(|own| own.written(name)).collect();
+        let kind = match &self.noun {
+            Noun::Kind(kind) => kind,
+            Noun::Named(entities) => return self.listed(entities, name),
+        };
+        let mut text = format!("{} {kind}", self.quantifier.written());
+        let all_of = |all: &Vec<Selector>| {
+            let all: Vec<String> = all.iter().map(|own| own.written(name)).collect();
+            all.join(" & ")
+        };
+        let conditions: Vec<String> = self.conditions.iter().map(all_of).collect();
         if !conditions.is_empty() {
-            text = format!("{text}{WHERE}{}", conditions.join(" & "));
+            text = format!("{text}{WHERE}{}", conditions.join(OR));
         }
         let exceptions: Vec<String> = self.exceptions.iter().map(|entity| name(*entity)).collect();
         match &exceptions[..] {
@@ -209,6 +267,16 @@ impl Group {
             // In parentheses, since a comma also separates the arguments of a goal.
             several => format!("{text}{EXCEPT}({})", several.join(", ")),
         }
+    }
+
+    /// Writes a group of entities that are named one by one.
+    fn listed(&self, entities: &[EntityId], name: &dyn Fn(EntityId) -> String) -> String {
+        let names: Vec<String> = entities.iter().map(|entity| name(*entity)).collect();
+        let of = match self.quantifier {
+            Quantifier::All | Quantifier::Any => OF,
+            _ => "",
+        };
+        format!("{} {of}({})", self.quantifier.written(), names.join(", "))
     }
 
     /// Writes the group with everyday names.
@@ -223,21 +291,37 @@ impl Group {
 
     /// Writes the group as a noun phrase: "any clean cup", "each plate (it is on the table)".
     pub fn sentence_in(&self, voice: Voice, world: &World) -> String {
-        let (before, after): (Vec<&Selector>, Vec<&Selector>) = self
-            .conditions
-            .iter()
-            .partition(|own| own.holds && own.arguments.is_empty());
+        let kind = match &self.noun {
+            Noun::Kind(kind) => kind.clone(),
+            Noun::Named(entities) => {
+                let names: Vec<String> = entities.iter().map(|entity| voice.name(world, *entity)).collect();
+                return format!("{} ({})", self.quantifier.written(), names.join(", "));
+            }
+        };
+        // One list of conditions gives adjectives; of several, each is a sentence.
+        let is_adjective = |own: &&Selector| own.holds && own.arguments.is_empty() && self.conditions.len() == 1;
+        let (before, after): (Vec<&Selector>, Vec<&Selector>) = self.conditions.iter().flatten().partition(is_adjective);
         let before = before.into_iter().map(|own| own.word.to_lowercase().replace('_', " "));
-        let noun: Vec<String> = before.chain([self.kind.clone()]).collect();
+        let noun: Vec<String> = before.chain([kind]).collect();
         let noun = noun.join(" ");
         let mut text = match self.quantifier {
             Quantifier::All => format!("each {noun}"),
             Quantifier::Any => format!("any {noun}"),
-            Quantifier::AtLeast(_) | Quantifier::Exactly(_) => format!("{} {noun}", self.quantifier.written()),
+            other => format!("{} {noun}", other.written()),
         };
-        let after: Vec<String> = after.into_iter().map(|own| own.sentence(voice, world)).collect();
+        let sentences = |all: &[&Selector]| {
+            let all: Vec<String> = all.iter().map(|own| own.sentence(voice, world)).collect();
+            all.join(", ")
+        };
+        let after = match &self.conditions[..] {
+            [] | [_] => sentences(&after),
+            several => {
+                let lists = several.iter().map(|all| sentences(&all.iter().collect::<Vec<_>>()));
+                lists.collect::<Vec<_>>().join(OR)
+            }
+        };
         if !after.is_empty() {
-            text = format!("{text} ({})", after.join(", "));
+            text = format!("{text} ({after})");
         }
         let exceptions: Vec<String> = self
             .exceptions
@@ -259,20 +343,48 @@ impl Group {
     /// Maps the group to another world by identifiers; none if an entity is missing there.
     pub(super) fn carried(&self, from: &World, to: &World) -> Option<Self> {
         let there = |entity: &EntityId| to.find(&from.entity(*entity).identifier);
-        let conditions = self.conditions.iter().map(|own| {
+        let selector = |own: &Selector| {
             Some(Selector {
                 arguments: own.arguments.iter().map(there).collect::<Option<Vec<_>>>()?,
                 ..own.clone()
             })
-        });
+        };
+        let conditions = self
+            .conditions
+            .iter()
+            .map(|all| all.iter().map(selector).collect::<Option<Vec<_>>>());
         Some(Self {
             quantifier: self.quantifier,
             members: self.members.iter().map(there).collect::<Option<Vec<_>>>()?,
-            kind: self.kind.clone(),
+            noun: match &self.noun {
+                Noun::Kind(kind) => Noun::Kind(kind.clone()),
+                Noun::Named(entities) => Noun::Named(entities.iter().map(there).collect::<Option<Vec<_>>>()?),
+            },
             conditions: conditions.collect::<Option<Vec<_>>>()?,
             exceptions: self.exceptions.iter().map(there).collect::<Option<Vec<_>>>()?,
         })
     }
+}
+
+/// Returns the names of a list of entities, in parentheses: `of (book, comic)`; none for a kind.
+fn listed(text: &str) -> Option<Vec<&str>> {
+    let text = text.strip_prefix(OF).unwrap_or(text).trim();
+    let inner = without_parentheses(text);
+    let is_list = inner.len() < text.len() && inner.contains(',') && !inner.contains(WHERE) && !inner.contains(EXCEPT);
+    is_list.then(|| inner.split(',').map(str::trim).collect())
+}
+
+/// Returns true if a member meets all conditions of one of the lists.
+fn meets(conditions: &[Vec<Selector>], world: &World, group: &str, member: EntityId) -> Result<bool, GoalError> {
+    let mut is_met = conditions.is_empty();
+    for all in conditions {
+        let mut of_all = true;
+        for condition in all {
+            of_all &= condition.is_met(world, group, member)?;
+        }
+        is_met |= of_all;
+    }
+    Ok(is_met)
 }
 
 /// Returns a text without the parentheses around all of it.
@@ -358,10 +470,10 @@ fn excepted(world: &World, group: &str, names: &str) -> Result<Vec<EntityId>, Go
 }
 
 /// Returns why a kind has no member that meets all conditions, for the first entities of the kind.
-fn reasons(world: &World, of_kind: &[EntityId], conditions: &[Selector], exceptions: &[EntityId]) -> String {
+fn reasons(world: &World, of_kind: &[EntityId], conditions: &[Vec<Selector>], exceptions: &[EntityId]) -> String {
     let reason = |entity: &EntityId| {
         let fails = |own: &&Selector| !own.is_met(world, "", *entity).unwrap_or(false);
-        let why = match conditions.iter().find(fails) {
+        let why = match conditions.iter().find_map(|all| all.iter().find(fails)) {
             Some(own) => format!("fails `{}`", own.written(&|other| world.entity(other).name.clone())),
             None if exceptions.contains(entity) => "is excepted".to_owned(),
             None => "does not fit".to_owned(),

@@ -375,6 +375,38 @@ impl Goal {
         self.facts.iter().any(GoalFact::is_conditional)
     }
 
+    /// Writes the goal in the goal language, with everyday names: groups as they were written, stages with `then`, constraints last.
+    pub fn text(&self, world: &World) -> String {
+        let mut stages: Vec<String> = Vec::new();
+        for (stage, range) in self.ranges().enumerate() {
+            let mut parts: Vec<String> = Vec::new();
+            for fact in &self.facts[range] {
+                let stands_for = |part: &&GroupedPart| part.stage == stage && part.facts.contains(fact);
+                let text = match self.groups.iter().find(stands_for) {
+                    Some(part) => part.text.clone(),
+                    None => fact.everyday(world),
+                };
+                if !parts.contains(&text) {
+                    parts.push(text);
+                }
+            }
+            stages.push(parts.join(" & "));
+        }
+        stages.retain(|stage| !stage.is_empty());
+        let mut texts = vec![stages.join(" then ")];
+        texts.retain(|text| !text.is_empty());
+        for constraint in &self.constraints {
+            let text = match self.groups.iter().find(|part| part.constraints.contains(constraint)) {
+                Some(part) => part.text.clone(),
+                None => constraint.everyday(world),
+            };
+            if !texts.contains(&text) {
+                texts.push(text);
+            }
+        }
+        texts.join(" & ")
+    }
+
     /// Writes the parts of the goal with everyday names. Joined with ` & ` they are the goal in the goal language.
     pub fn everyday(&self, world: &World) -> Vec<String> {
         self.written(|fact| fact.everyday(world), |constraint| constraint.everyday(world))

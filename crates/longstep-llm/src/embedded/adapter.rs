@@ -22,11 +22,6 @@ static SHIPPED: &[Shipped] = &[
     ),
     (
         catalogue::DEFAULT,
-        Task::Screening,
-        include_bytes!("../../adapters/qwen2.5-coder-1.5b/screening.gguf"),
-    ),
-    (
-        catalogue::DEFAULT,
         Task::Description,
         include_bytes!("../../adapters/qwen2.5-coder-1.5b/description.gguf"),
     ),
@@ -87,10 +82,8 @@ fn in_file(path: &Path) -> Result<Adapter, ModelError> {
     check(path)?;
     let task = match task_of(path).as_deref() {
         Some("goals") => Task::Goals,
-        Some("screening") => Task::Screening,
         Some("description") => Task::Description,
         Some("plans") => Task::Plans,
-        Some("retelling") => Task::Retelling,
         _ => return Err(not_loaded(path, "it is no adapter with a task (`longstep.task`)")),
     };
     Ok(Adapter {

@@ -1,11 +1,10 @@
 //! Numbers and quotations in an instruction, and whether a goal contains them.
 
 use std::ops::Range;
-use std::sync::LazyLock;
 
 use rustc_hash::FxHashMap;
 
-use super::names::{Mentions, words};
+use super::names::Mentions;
 use super::{Gap, entities};
 use crate::environment::{EntityId, World};
 use crate::goal::{Goal, GoalFact};
@@ -27,15 +26,15 @@ pub(super) fn gaps(world: &World, instruction: &str, goal: &Goal, mentions: &Men
     let known = texts(world, goal);
     let quoted = quotations(instruction).into_iter();
     let unknown = |range: &Range<usize>| !contain(&known, &instruction[range.clone()]);
-    let quoted = quoted.filter(unknown).map(|range| (range, Gap::Quotation));
+    let quoted = quoted.filter(unknown).map(|range| (range, Gap::Message));
     let numbers = numbers(instruction).into_iter().filter(|range| !mentions.cover(range));
     let numbers = numbers
         .filter(|range| !is_represented(world, instruction, range, goal))
-        .map(|range| (range, Gap::Quantity));
+        .map(|range| (range, Gap::Amount));
     quoted.chain(numbers).collect()
 }
 
-/// Returns true if a part of the instruction has numbers, in digits or as words, and the goal contains all of them: in a name, as
+/// Returns true if a part of the instruction has numbers in digits, and the goal contains all of them: in a name, as
 /// the label of one of its entities, or as the number of its parts.
 pub(super) fn is_represented(world: &World, instruction: &str, part: &Range<usize>, goal: &Goal) -> bool {
     let known: Vec<String> = texts(world, goal)
@@ -50,51 +49,10 @@ pub(super) fn is_represented(world: &World, instruction: &str, part: &Range<usiz
         .into_iter()
         .map(|range| part.start + range.start..part.start + range.end)
         .collect();
-    let words = words(instruction);
-    let spelled: Vec<(usize, usize)> = words
-        .iter()
-        .enumerate()
-        .filter(|(_, (_, range))| part.start <= range.start && range.end <= part.end)
-        .filter_map(|(place, (_, range))| {
-            Some((place, *NUMBER_WORDS.get(&*instruction[range.clone()].to_lowercase())?))
-        })
-        .collect();
-    let is_counted = |(place, count): (usize, usize)| {
-        let mut nouns = words[place + 1..].iter().take(NOUN_WITHIN);
-        nouns.any(|(noun, _)| counted(world, goal, noun).contains(&count))
-    };
-    (!digits.is_empty() || !spelled.is_empty())
+    !digits.is_empty()
         && digits
             .iter()
             .all(|range| is_known(&instruction[range.clone()]) || is_label(world, instruction, range, goal))
-        && spelled.into_iter().all(is_counted)
-}
-
-/// Number of words behind a number among which is what it counts: "two clean towels".
-const NOUN_WITHIN: usize = 2;
-
-/// The words for numbers in all languages: the language of an instruction is not known.
-static NUMBER_WORDS: LazyLock<FxHashMap<&'static str, usize>> = LazyLock::new(|| {
-    let rows = include_str!("number_words.txt")
-        .lines()
-        .filter(|line| !line.starts_with('#'));
-    let forms = rows.flat_map(|row| row.split_whitespace().enumerate().skip(1));
-    forms
-        .flat_map(|(number, forms)| forms.split('/').map(move |form| (form, number)))
-        .collect()
-});
-
-/// Returns for each goal word how many of its subjects have a noun, in the singular, in one of their names.
-fn counted(world: &World, goal: &Goal, noun: &str) -> Vec<usize> {
-    let has_noun = |entity: &&EntityId| {
-        let names = &world.entity(**entity).names;
-        names
-            .iter()
-            .flat_map(|name| plain_words(name))
-            .any(|word| singular(&word) == noun)
-    };
-    let subjects = subjects(world, goal).into_values();
-    subjects.map(|own| own.iter().filter(has_noun).count()).collect()
 }
 
 /// Returns true if a number is the label of an entity of the goal: it stands behind a name of the entity ("room 102"), or it ends its
@@ -121,18 +79,6 @@ fn is_label(world: &World, instruction: &str, number: &Range<usize>, goal: &Goal
 pub(super) fn contain(known: &[String], text: &str) -> bool {
     let text = text.to_lowercase();
     known.iter().any(|known| known.contains(&text))
-}
-
-/// Returns the places of the goal's texts in the instruction: names in a message are no wishes.
-pub(super) fn said(world: &World, instruction: &str, goal: &Goal) -> Vec<Range<usize>> {
-    let values = entities(world, goal).into_iter().map(|entity| world.entity(entity));
-    let texts = values.filter(|entity| entity.is_value && entity.identifier.starts_with('"'));
-    let texts: Vec<&str> = texts.map(|entity| entity.identifier.trim_matches('"')).collect();
-    let places = texts.into_iter().filter_map(|text| {
-        let start = instruction.find(text)?;
-        Some(start..start + text.len())
-    });
-    places.collect()
 }
 
 /// Returns the goal in lower case, and all names of its entities.

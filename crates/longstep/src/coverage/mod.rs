@@ -4,10 +4,8 @@
 //! text: each part belongs to a goal or a constraint, is background, or is a [`Gap`]. Most gaps are a question to the
 //! person before the plan counts as an answer.
 //!
-//! Gaps have two sources. A model marks parts ([`Mark`]): in the answer of a server, or in a request of its own
-//! ([`ScreeningDialogue`](crate::dialogue::ScreeningDialogue)). The others are facts about the text that need no
-//! language (`literal`, `names`): numbers and quotations that no goal contains, and entities that the text names in
-//! full and that no goal concerns.
+//! Gaps have two sources. A model says which words its goal does not say ([`LeftOut`]). The others are facts about the text that
+//! need no language (`literal`): numbers in digits, and quotations, that no goal contains.
 
 mod literal;
 mod names;
@@ -19,103 +17,77 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::environment::{EntityId, World};
-use crate::goal::{Goal, GoalFact, Group};
-use crate::verify::VerifiedPlan;
+use crate::goal::{Goal, Group};
+use crate::understanding::LeftOut;
 use names::Mentions;
 
-/// The kind of a part that the goal does not represent.
+/// The kind of a part that the goal does not represent. It decides whether the part is a question or a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Gap {
-    /// Something that must not be done.
-    Prohibition,
-    /// A number, an amount, a duration or a time.
-    Quantity,
-    /// A case in which alone something is to be done.
+    /// A deadline, an hour, a date.
+    Time,
+    /// How something is done: quietly, neatly.
+    Manner,
+    /// Why something is wished.
+    #[serde(alias = "other")]
+    Reason,
+    /// How much, how often, how long.
+    #[serde(alias = "quantity")]
+    Amount,
+    /// A case or an occasion in which alone something is to be done.
     Condition,
     /// An order in which things are to be done.
     Order,
-    /// A quotation.
-    Quotation,
-    /// An entity of the environment.
-    Name,
-    /// Anything else.
-    Other,
+    /// A text that somebody is to be told.
+    #[serde(alias = "quotation")]
+    Message,
+    /// Something that must not be done.
+    Prohibition,
+    /// A further wish.
+    #[serde(alias = "name")]
+    Wish,
 }
 
 impl Gap {
     /// All kinds.
-    pub const ALL: [Self; 7] = [
-        Self::Prohibition,
-        Self::Quantity,
+    pub const ALL: [Self; 9] = [
+        Self::Time,
+        Self::Manner,
+        Self::Reason,
+        Self::Amount,
         Self::Condition,
         Self::Order,
-        Self::Quotation,
-        Self::Name,
-        Self::Other,
+        Self::Message,
+        Self::Prohibition,
+        Self::Wish,
     ];
 
-    /// Returns the name in JSON.
+    /// Returns the name in JSON and in the answers of models.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Prohibition => "prohibition",
-            Self::Quantity => "quantity",
+            Self::Time => "time",
+            Self::Manner => "manner",
+            Self::Reason => "reason",
+            Self::Amount => "amount",
             Self::Condition => "condition",
             Self::Order => "order",
-            Self::Quotation => "quotation",
-            Self::Name => "name",
-            Self::Other => "other",
+            Self::Message => "message",
+            Self::Prohibition => "prohibition",
+            Self::Wish => "wish",
         }
     }
 
-    /// Returns true if a plan with this gap is a question to the person; otherwise the gap is only reported.
+    /// Returns the kind with a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Returns true if the plan would be another one if a goal could say such a part: the person is asked then. Otherwise the
+    /// part is a note.
     pub fn is_question(self) -> bool {
-        !matches!(self, Self::Order | Self::Other)
-    }
-}
-
-/// A part of an instruction that a model marks, as bytes of the instruction.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Mark {
-    /// The part.
-    pub range: Range<usize>,
-    /// The content of the part beside the wish that something be done.
-    pub gap: Gap,
-}
-
-impl Mark {
-    /// Returns the mark of a whole instruction.
-    pub(crate) fn whole(instruction: &str, gap: Gap) -> Self {
-        Self {
-            range: 0..instruction.len(),
-            gap,
-        }
-    }
-
-    /// Returns the marked text of the instruction. A message has no full stop.
-    pub(crate) fn text<'i>(&self, instruction: &'i str) -> &'i str {
-        let text = &instruction[self.range.clone()];
-        match self.gap {
-            Gap::Quotation => text.trim_end_matches(['.', '\u{3002}']),
-            _ => text,
-        }
-    }
-
-    /// Returns true if the mark says that the whole instruction is a prohibition.
-    pub(crate) fn is_prohibition_of_all(&self, instruction: &str) -> bool {
-        let rest = [&instruction[..self.range.start], &instruction[self.range.end..]].concat();
-        self.gap == Gap::Prohibition && !rest.contains(char::is_alphanumeric)
-    }
-
-    /// Returns the mark of a quotation from the instruction; none if the instruction does not contain the text.
-    pub fn of(instruction: &str, quotation: &str, gap: Gap) -> Option<Self> {
-        let text = quotation.trim();
-        let start = instruction.find(text).filter(|_| !text.is_empty())?;
-        Some(Self {
-            range: start..start + text.len(),
-            gap,
-        })
+        !matches!(self, Self::Time | Self::Manner | Self::Reason)
     }
 }
 
@@ -151,8 +123,9 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    /// Accounts for an instruction: `goal` is what was understood, `marks` are the parts that a model marked, and `plan`
-    /// is the plan for the goal. Whatever the plan uses is not missing from the goal.
+    /// Accounts for an instruction: `goal` is what was understood, and `left_out` are the words that it does not say. If the person
+    /// has said anything since, only these count (`is_alone` is false): the later words may have replaced a number of the
+    /// instruction.
     ///
     /// ```
     /// use longstep::coverage::{Coverage, Gap};
@@ -160,30 +133,19 @@ impl Coverage {
     /// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<ruler>"],
     ///     "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "on_something(<shelf>)"}}"#)?;
     /// let goal = longstep::goal::parse(&world, "put(pen, shelf)").unwrap();
-    /// let coverage = Coverage::new(&world, "Put the pen on the shelf in 5 minutes", &goal, &[], None);
+    /// let coverage = Coverage::new(&world, "Put the pen on the shelf in 5 minutes", &goal, &[], true);
     /// let gaps: Vec<(&str, Gap)> = coverage.gaps().collect();
-    /// assert_eq!(gaps, [("5", Gap::Quantity)]);
+    /// assert_eq!(gaps, [("5", Gap::Amount)]);
     /// # Ok::<(), longstep::Error>(())
     /// ```
-    pub fn new(world: &World, instruction: &str, goal: &Goal, marks: &[Mark], plan: Option<&VerifiedPlan>) -> Self {
+    pub fn new(world: &World, instruction: &str, goal: &Goal, left_out: &[LeftOut], is_alone: bool) -> Self {
         let mentions = Mentions::of(world, instruction);
-        let mut gaps = marked(world, instruction, goal, marks);
-        for (range, gap) in literal::gaps(world, instruction, goal, &mentions) {
-            enter(&mut gaps, range, Role::NotRepresented(gap));
+        let mut gaps = marked(world, instruction, goal, left_out, is_alone);
+        if is_alone {
+            for (range, gap) in literal::gaps(world, instruction, goal, &mentions) {
+                enter(&mut gaps, range, Role::NotRepresented(gap));
+            }
         }
-        let said = literal::said(world, instruction, goal);
-        let in_message = |range: &Range<usize>| said.iter().any(|own| own.start <= range.start && range.end <= own.end);
-        let names = names::gaps(world, instruction, goal, &mentions, plan);
-        for range in names.into_iter().filter(|range| !in_message(range)) {
-            enter(&mut gaps, range, Role::NotRepresented(Gap::Name));
-        }
-        Self::with_gaps(world, instruction, goal, &mentions, gaps)
-    }
-
-    /// Accounts for an instruction by the parts alone that a model marked.
-    pub(crate) fn of_marks(world: &World, instruction: &str, goal: &Goal, marks: &[Mark]) -> Self {
-        let mentions = Mentions::of(world, instruction);
-        let gaps = marked(world, instruction, goal, marks);
         Self::with_gaps(world, instruction, goal, &mentions, gaps)
     }
 
@@ -242,64 +204,24 @@ impl Coverage {
     }
 }
 
-/// Returns what an instruction forbids, by its marks, and the rest of it.
-pub(crate) fn without_prohibitions(instruction: &str, marks: &[Mark]) -> (String, String) {
-    let mut ranges: Vec<Range<usize>> = Vec::new();
-    for mark in marks.iter().filter(|mark| mark.gap == Gap::Prohibition) {
-        ranges.push(mark.range.clone());
-    }
-    ranges.sort_by_key(|range| (range.start, range.end));
-    let (mut forbidden, mut rest, mut at) = (Vec::new(), String::new(), 0);
-    for range in ranges {
-        forbidden.push(&instruction[range.clone()]);
-        rest.push_str(instruction.get(at..range.start).unwrap_or_default());
-        at = at.max(range.end);
-    }
-    rest.push_str(&instruction[at..]);
-    (forbidden.join(" "), rest.trim().to_owned())
-}
-
-/// Returns the entities that a text names in full.
-pub(crate) fn named(world: &World, text: &str) -> Vec<EntityId> {
-    Mentions::of(world, text).within(&(0..text.len())).collect()
-}
-
-/// Returns the entities of each name in a text that stands for several.
-pub(crate) fn shared_names(world: &World, text: &str) -> Vec<Vec<EntityId>> {
-    Mentions::of(world, text).shared().map(<[EntityId]>::to_vec).collect()
-}
-
-/// Returns true if a text names an entity in full.
-pub(crate) fn names_entity(world: &World, text: &str) -> bool {
-    !named(world, text).is_empty()
-}
-
-/// Returns the marks that the goal does not represent.
-pub(crate) fn missing<'m>(
-    world: &World,
-    instruction: &str,
-    goal: &Goal,
-    marks: &'m [Mark],
-) -> impl Iterator<Item = &'m Mark> {
-    marks
-        .iter()
-        .filter(move |mark| !is_represented(world, instruction, goal, mark))
-}
-
-/// Returns the marked parts that the goal does not represent.
-fn marked(world: &World, instruction: &str, goal: &Goal, marks: &[Mark]) -> Vec<Part> {
-    let mut missing: Vec<&Mark> = missing(world, instruction, goal, marks).collect();
-    // Of overlapping marks the one with a question stays, and of these the longest: consent is to all of its text.
-    missing.sort_by_key(|mark| {
-        (
-            !mark.gap.is_question(),
-            std::cmp::Reverse(mark.range.len()),
-            mark.range.start,
-        )
-    });
+/// Returns the parts that the goal does not say. Words that the instruction does not contain stand for all of it, unless the person
+/// has said more than the instruction.
+fn marked(world: &World, instruction: &str, goal: &Goal, left_out: &[LeftOut], is_alone: bool) -> Vec<Part> {
+    let place = |own: &LeftOut| {
+        let text = own.text.trim();
+        let start = instruction.find(text).filter(|_| !text.is_empty());
+        let all = is_alone.then_some(0..instruction.len());
+        Some((start.map(|start| start..start + text.len()).or(all)?, own.kind))
+    };
+    let mut missing: Vec<(Range<usize>, Gap)> = left_out.iter().filter_map(place).collect();
+    // The goal may have the text of a message after all.
+    let known = literal::texts(world, goal);
+    missing.retain(|(range, gap)| *gap != Gap::Message || !literal::contain(&known, &instruction[range.clone()]));
+    // Of overlapping parts the one with a question stays, and of these the longest: consent is to all of its text.
+    missing.sort_by_key(|(range, gap)| (!gap.is_question(), std::cmp::Reverse(range.len()), range.start));
     let mut gaps = Vec::new();
-    for mark in missing {
-        enter(&mut gaps, mark.range.clone(), Role::NotRepresented(mark.gap));
+    for (range, gap) in missing {
+        enter(&mut gaps, range, Role::NotRepresented(gap));
     }
     gaps
 }
@@ -309,19 +231,6 @@ fn enter(parts: &mut Vec<Part>, range: Range<usize>, role: Role) {
     let overlaps = |other: &Part| range.start < other.range.end && other.range.start < range.end;
     if !range.is_empty() && !parts.iter().any(overlaps) {
         parts.push(Part { range, role });
-    }
-}
-
-/// Returns true if the goal represents what a mark says.
-fn is_represented(world: &World, instruction: &str, goal: &Goal, mark: &Mark) -> bool {
-    match mark.gap {
-        Gap::Prohibition => !goal.constraints.is_empty(),
-        Gap::Condition => goal.facts.iter().any(|fact| matches!(fact, GoalFact::If(_))),
-        // One goal has no order.
-        Gap::Order => !goal.stages.is_empty() || goal.facts.len() < 2,
-        Gap::Quantity => literal::is_represented(world, instruction, &mark.range, goal),
-        Gap::Quotation => literal::contain(&literal::texts(world, goal), mark.text(instruction)),
-        Gap::Name | Gap::Other => false,
     }
 }
 

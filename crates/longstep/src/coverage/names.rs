@@ -2,13 +2,10 @@
 
 use std::ops::Range;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
-use super::entities;
 use crate::environment::{EntityId, World};
-use crate::goal::{self, Goal};
 use crate::model::{plain_words, singular};
-use crate::verify::VerifiedPlan;
 
 /// From this character on, scripts are written without spaces between words (Chinese, Japanese, Korean particles).
 const WITHOUT_SPACES: char = '\u{2e80}';
@@ -73,12 +70,6 @@ impl Mentions {
         self.0.iter().any(covers)
     }
 
-    /// Returns the entities of each name that stands for several.
-    pub(super) fn shared(&self) -> impl Iterator<Item = &[EntityId]> {
-        let entities = self.0.iter().map(|mention| mention.entities.as_slice());
-        entities.filter(|entities| entities.len() > 1)
-    }
-
     /// Returns the entities that are named within a range.
     pub(super) fn within(&self, range: &Range<usize>) -> impl Iterator<Item = EntityId> {
         let inside = |mention: &&Mention| range.start <= mention.range.start && mention.range.end <= range.end;
@@ -98,61 +89,6 @@ fn enter(found: &mut FxHashMap<(usize, usize), Mention>, range: Range<usize>, id
     });
     if !mention.entities.contains(&id) {
         mention.entities.push(id);
-    }
-}
-
-/// Returns the names of entities that the goal does not concern: they are not in it, no fact of the environment relates
-/// them to an entity in it ("the cup next to the sink"), and the plan does not use them.
-pub(super) fn gaps(
-    world: &World,
-    instruction: &str,
-    goal: &Goal,
-    mentions: &Mentions,
-    plan: Option<&VerifiedPlan>,
-) -> Vec<Range<usize>> {
-    let meant = goal::Mentions::of(world, instruction);
-    let concerned = concerned(world, goal, plan);
-    let is_gap = |mention: &&Mention| {
-        let is_meant = |entity: &EntityId| !mention.as_words || meant.entities.contains(entity);
-        !mention.entities.iter().any(|entity| concerned.contains(entity)) && mention.entities.iter().any(is_meant)
-    };
-    mentions
-        .0
-        .iter()
-        .filter(is_gap)
-        .map(|mention| mention.range.clone())
-        .collect()
-}
-
-/// Returns the entities of the goal and the plan, everything that a fact relates to one of the goal, and the places of
-/// these places: a fact whose first argument is concerned concerns its others.
-fn concerned(world: &World, goal: &Goal, plan: Option<&VerifiedPlan>) -> FxHashSet<EntityId> {
-    let domain = world.domain();
-    let goals = entities(world, goal);
-    let mut all: FxHashSet<EntityId> = goals.iter().copied().collect();
-    let steps = plan.iter().flat_map(|plan| plan.plan().steps());
-    all.extend(steps.flat_map(|step| step.arguments.iter().copied()));
-    let facts: Vec<Vec<EntityId>> = world
-        .state
-        .iter()
-        .map(|fact| domain.arguments(fact).collect())
-        .collect();
-    for fact in facts
-        .iter()
-        .filter(|fact| fact.iter().any(|entity| goals.contains(entity)))
-    {
-        all.extend(fact);
-    }
-    loop {
-        let before = all.len();
-        for fact in &facts {
-            if fact.first().is_some_and(|first| all.contains(first)) {
-                all.extend(fact);
-            }
-        }
-        if all.len() == before {
-            return all;
-        }
     }
 }
 

@@ -62,14 +62,10 @@ pub enum Constraint {
 /// The task of a request. A model may have an adapter for one task; its other answers are those of the model alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Task {
-    /// Writes the goals of an instruction.
+    /// Says what an instruction means.
     Goals,
-    /// Marks the parts of an instruction that goals do not say.
-    Screening,
     /// Writes down what a description of a scene says.
     Description,
-    /// Says in plain English what a person said.
-    Retelling,
     /// Says how a plan is to change, or how stored plans go together.
     Plans,
     /// Every other task.

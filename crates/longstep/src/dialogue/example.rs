@@ -1,10 +1,9 @@
 //! The fixed messages of a goal request: task and few-shot examples.
 
 use minijinja::context;
-use serde_json::json;
 
 use super::template_context::size;
-use super::{ConstraintKind, Message, Role, template};
+use super::{Message, Role, template};
 use crate::goal::{WrittenConditional, read_form};
 use crate::model::{Domain, Example, GoalWord, StateWord};
 
@@ -73,40 +72,14 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
 }
 
 /// Returns the fixed messages: the task, then two messages for each example.
-pub(crate) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
-    let mut task = domain.prompts.goal.clone();
-    if kind == ConstraintKind::JsonSchema {
-        task.push_str(
-            "\n\nWrite the answer as a JSON object with four keys: \"goals\", the list of goals; \"never\", the goals that \
-             the person forbids; \"not_represented\", the parts of the instruction that none of these goals says, \
-             each with its \"text\", copied from the instruction, and its \"kind\": a prohibition, a quantity (also a \
-             time), a condition, an order, a quotation, a name, or other; and \"question\", which is empty unless you \
-             have to ask.",
-        );
-    }
-    let mut turns = vec![Message::new(Role::System, task)];
+pub(crate) fn fixed_turns(domain: &Domain) -> Vec<Message> {
+    let mut turns = vec![Message::new(Role::System, domain.prompts.goal.clone())];
     for example in &domain.prompts.examples {
         let text = scene_and_instruction(&scene_text(&example.objects, &example.places), &example.instruction);
         turns.push(Message::new(Role::User, text));
-        turns.push(Message::new(Role::Assistant, in_form(&example.answer, kind)));
+        turns.push(Message::new(Role::Assistant, example.answer.clone()));
     }
     turns
-}
-
-/// Converts an answer to the form for this kind of model.
-pub(super) fn in_form(answer: &str, kind: ConstraintKind) -> String {
-    match kind {
-        ConstraintKind::Grammar => answer.to_owned(),
-        ConstraintKind::JsonSchema => match answer.strip_prefix(crate::goal::QUESTION) {
-            Some(question) => {
-                json!({"question": question, "goals": [], "never": [], "not_represented": []}).to_string()
-            }
-            None => {
-                let goals: Vec<&str> = answer.split(" & ").collect();
-                json!({"question": "", "goals": goals, "never": [], "not_represented": []}).to_string()
-            }
-        },
-    }
 }
 
 /// Renders the two lists of a scene.

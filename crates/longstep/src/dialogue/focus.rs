@@ -103,7 +103,7 @@ impl Focus {
     /// never shorter than `needed`.
     ///
     /// The binary search assumes that a longer prefix costs more.
-    pub(super) fn most<T, E>(
+    pub(crate) fn most<T, E>(
         &self,
         at_most: usize,
         mut attempt: impl FnMut(&[EntityId]) -> Result<T, E>,

@@ -1,6 +1,6 @@
 //! Requests to a language model and the parsing of its replies.
 //!
-//! There are two strategies. In the goal strategy, [`GoalDialogue`] requests goals and parses them. In the direct
+//! There are two strategies. In the goal strategy, [`Understanding`](crate::understanding::Understanding) requests a goal. In the direct
 //! strategy, [`direct_request`] requests a whole plan: five fixed parts ([`fixed_parts`]), the history, and the
 //! [`query`]; [`crate::plan::read`] parses the reply. A prompt beyond the token budget is shortened ([`fit`],
 //! [`focus`]), and the result reports the omissions.
@@ -10,39 +10,29 @@ mod budget;
 mod chat;
 mod count;
 mod direct;
-mod ending;
 mod example;
 mod explain;
-mod fitted;
 mod focus;
 mod forecast;
 mod forms;
-mod goal_dialogue;
-mod goal_grammar;
-mod message;
 mod object_text;
 mod parts;
 mod picture;
 mod query;
 mod rendered;
 mod reply;
-mod retelling;
 mod scene;
-mod screening;
-mod splitting;
 mod template;
 mod template_context;
 #[cfg(test)]
 mod tests;
 mod transcript;
 mod tree_schema;
-mod tries;
-mod weighing;
 mod worked;
 
 pub use crate::model::{Example, PartTexts, Prompts};
 pub(crate) use crate::reading::nats;
-pub use crate::reading::{Candidate, Doubt, Reading, ReadingOf};
+pub use crate::reading::{Candidate, Reading};
 pub use crate::usage::Usage;
 pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
 pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Likelihood, Message, Reply, Role, Round, Task};
@@ -50,12 +40,9 @@ pub use count::{Counting, EstimatedTokens, TokenCounter};
 pub use direct::{Prepared, direct_request};
 pub(crate) use example::{check_example, fixed_turns, render_goal_prompt, scene_and_instruction};
 pub use explain::{Explanation, PartShare, explain};
-pub use fitted::FittedDialogue;
 pub use focus::{Focus, focus};
 pub use forecast::Forecast;
 pub(crate) use forms::actors;
-pub use goal_dialogue::{ConditionMark, GoalDialogue, GoalInput};
-pub use message::MessageDialogue;
 pub use object_text::object_text;
 pub(crate) use parts::broken_parts;
 pub use parts::{Part, PartName, PromptError, fixed_parts};
@@ -64,12 +51,8 @@ pub(crate) use query::plain_line;
 pub use query::query;
 pub(crate) use reply::answered;
 pub use reply::direct_schema;
-pub use retelling::{Retelling, RetellingDialogue};
 pub use scene::scene;
 pub(crate) use scene::scene_lists;
-pub use screening::ScreeningDialogue;
-pub use splitting::{Split, SplittingDialogue};
 pub use transcript::{Dialogue, DialogueError, Transcript};
 pub(crate) use transcript::{object, one_line, whole};
 pub(crate) use tree_schema::{TreeForms, in_schema, tree_schema};
-pub(crate) use weighing::Weighing;

@@ -4,16 +4,15 @@ use rustc_hash::FxHashSet;
 
 use super::example::scene_text;
 use crate::environment::{EntityId, Fact, World};
-use crate::goal::Offer;
+use crate::goal;
 
-/// Renders the scene: every object with its place, and every place that occurs in an offer.
-pub fn scene(world: &World, offers: &[Offer]) -> String {
+/// Renders the scene: every object with its place, and every place that a goal can be about.
+pub fn scene(world: &World) -> String {
     let domain = world.domain();
     let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
-    let mut shown: FxHashSet<EntityId> = offers
-        .iter()
-        .flat_map(|o| o.arguments.iter().flatten().copied())
-        .collect();
+    let goals = domain.goal_words.iter().flat_map(|word| goal::sayable(world, word));
+    let sensed = goal::conditions(world).into_iter().flat_map(|own| domain.arguments(own.fact).collect::<Vec<_>>());
+    let mut shown: FxHashSet<EntityId> = goals.flatten().chain(sensed).collect();
     shown.extend(world.entities().map(|(id, _)| id).filter(|id| is_object(*id)));
     let (objects, places) = scene_lists(world, &shown);
     scene_text(&objects, &places)

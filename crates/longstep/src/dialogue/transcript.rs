@@ -145,6 +145,16 @@ impl Transcript {
         &self.messages
     }
 
+    /// Returns the number of messages that are equal in all requests of the domain.
+    pub(crate) fn fixed(&self) -> usize {
+        self.fixed
+    }
+
+    /// Forgets the answer so far: the next request is for another one.
+    pub(crate) fn clear_answer(&mut self) {
+        self.answer.clear();
+    }
+
     /// Returns the model's answer so far.
     pub fn answer(&self) -> &str {
         &self.answer

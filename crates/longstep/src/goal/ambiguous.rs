@@ -7,7 +7,7 @@ use crate::model::{TypeId, head, label, plain_words, singular};
 
 /// Returns a question if the instruction refers to one entity by a name that several have: "the mug". Returns none if the
 /// reference is clear, or if the entities differ in nothing that a person can name.
-pub(super) fn which(world: &World, mentions: &Mentions, goal: &Goal) -> Option<String> {
+pub(crate) fn which(world: &World, mentions: &Mentions, goal: &Goal) -> Option<String> {
     let single = goal.facts.iter().filter(|fact| goal.grouped_part(fact).is_none());
     let of_goals = single.flat_map(GoalFact::parts);
     let mut of_goals = of_goals.map(|fact| of_fact(world, mentions, goal, fact));

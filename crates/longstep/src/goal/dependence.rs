@@ -2,9 +2,8 @@
 
 use longstep_core::model::state_word;
 
-use super::Mentions;
 use crate::effort;
-use crate::environment::{EntityId, Fact, World};
+use crate::environment::{Fact, World};
 
 /// A condition on which a goal may depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,19 +14,10 @@ pub(crate) struct Dependence {
     pub(crate) negated: bool,
 }
 
-/// Returns the conditions on which a goal can depend: outcomes of sensing actions about an entity that the instruction
-/// names, or about any entity if it names none that could be sensed.
+/// Returns the conditions on which a goal can depend: the outcomes of sensing actions.
 ///
 /// With two outcomes, each is the negation of the other. With more, an outcome can also be negated.
-pub(crate) fn conditions(world: &World, mentions: &Mentions) -> Vec<Dependence> {
-    let about_named = about(world, |entity| mentions.entities.contains(&entity));
-    match about_named.is_empty() {
-        true => about(world, |_| true),
-        false => about_named,
-    }
-}
-
-fn about(world: &World, is_meant: impl Fn(EntityId) -> bool) -> Vec<Dependence> {
+pub(crate) fn conditions(world: &World) -> Vec<Dependence> {
     let domain = world.domain();
     let mut found = Vec::new();
     for action in &domain.actions {
@@ -43,8 +33,7 @@ fn about(world: &World, is_meant: impl Fn(EntityId) -> bool) -> Vec<Dependence> 
             if state_word(domain, atom.predicate).is_none() {
                 continue;
             }
-            let entities = world.of_kind(parameter.kind).iter().filter(|entity| is_meant(**entity));
-            for entity in entities {
+            for entity in world.of_kind(parameter.kind) {
                 if !effort::spend(1) {
                     return found;
                 }

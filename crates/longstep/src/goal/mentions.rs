@@ -70,7 +70,7 @@ impl Mentions {
 
     /// Appends the names of a later utterance. They replace those with the same last word: after "the red mug", "the blue
     /// mug" is another one.
-    pub(super) fn add(&mut self, world: &World, later: Self) {
+    pub(crate) fn add(&mut self, world: &World, later: Self) {
         let head_of = |entity: &EntityId| head(&world.entity(*entity).name);
         let heads: FxHashSet<String> = later.entities.iter().map(head_of).collect();
         self.entities.retain(|entity| !heads.contains(&head_of(entity)));
@@ -81,7 +81,7 @@ impl Mentions {
     }
 
     /// Returns true if a later utterance was added.
-    pub(super) fn is_answered(&self) -> bool {
+    pub(crate) fn is_answered(&self) -> bool {
         self.is_answered
     }
 

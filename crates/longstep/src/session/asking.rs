@@ -1,37 +1,19 @@
 //! Model requests and replies.
 
 use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct};
-use crate::dialogue::{
-    ConstraintKind, Dialogue, DialogueError, Finish, Prepared, PromptError, Reply, ScreeningDialogue, TokenCounter,
-    plain_line,
-};
+use crate::dialogue::{Dialogue, DialogueError, Finish, Prepared, PromptError, Reply, TokenCounter};
 use crate::feedback::{FeedbackDialogue, FeedbackInput, Wish};
 
 use super::Strategy;
 use super::pending::{Asking, What};
-use super::retold::Open;
 
 impl Session {
     /// Creates a request according to the strategy.
     pub(super) fn ask(&self) -> Asking {
         Asking::new(match self.settings.strategy {
-            Strategy::Goal => What::Goal(None),
+            Strategy::Goal => What::Meaning(None),
             Strategy::Direct => What::Plan,
         })
-    }
-
-    /// Creates the first request for an instruction: a screening if the model works under a grammar. The answers of
-    /// servers have a place for marks.
-    pub(super) fn first_request(&self, instruction: &str) -> Asking {
-        let text = plain_line(instruction);
-        let screens = self.settings.screening
-            && self.settings.strategy == Strategy::Goal
-            && self.model.kind == ConstraintKind::Grammar
-            && text.contains(char::is_alphanumeric);
-        match screens.then(|| ScreeningDialogue::new(&text)) {
-            Some(screening) => Asking::new(What::Screening(Box::new(screening))),
-            None => self.ask(),
-        }
     }
 
     /// Creates a request for feedback on the turn's plan, and adds the feedback to the rounds if needed.
@@ -45,7 +27,7 @@ impl Session {
             Strategy::Goal if !is_sequence && proposal.goal.is_some() => {
                 let round = self.goal_round(turn, words.to_owned());
                 turn.rounds.push(round);
-                Asking::new(What::Goal(None))
+                Asking::new(What::Meaning(None))
             }
             Strategy::Goal if is_sequence => {
                 let dialogue = FeedbackDialogue::new(FeedbackInput {
@@ -74,12 +56,7 @@ impl Session {
         counter: &mut dyn TokenCounter,
     ) -> Result<Option<Box<Prepared>>, PromptError> {
         let prepared = match &mut asking.what {
-            What::Screening(dialogue) => self.short_request(dialogue.request(), counter),
-            What::Message(dialogue, _) => self.short_request(dialogue.request(), counter),
-            What::Splitting(dialogue) => self.short_request(dialogue.request(), counter),
-            What::Retelling(dialogue) => self.short_request(dialogue.request(), counter),
-            What::Goal(goal) => self.goal_request(&turn, goal, counter),
-            What::Weighing(weighed) => self.weighing_request(&turn, weighed, counter),
+            What::Meaning(begun) => self.meaning_request(&turn, begun, counter),
             What::Plan => self.plan_request(&turn, counter),
             What::Wish(dialogue, _) => Ok(Prepared {
                 request: dialogue.request(),
@@ -97,11 +74,6 @@ impl Session {
                 }
                 self.stage = Stage::Asking(turn, asking);
                 Ok(Some(Box::new(prepared)))
-            }
-            // A question is never lost because its retelling cannot be asked for.
-            Err(_) if turn.is_retold_now() => {
-                self.take_back(turn);
-                Ok(None)
             }
             // A correction that does not fit: the first plan's own faults say more than the size of the prompt.
             Err(PromptError::OverBudget(_)) if turn.uncorrected.is_some() => {
@@ -154,36 +126,13 @@ impl Session {
         };
         turn.usage += reply.usage;
         turn.model_milliseconds += milliseconds;
-        turn.is_weighed |= reply.likelihood.is_some();
         self.events.push(Event::reply(reply, milliseconds));
         match asking.what {
-            What::Screening(mut dialogue) => match dialogue.supply(reply) {
-                Ok(marks) => self.marked(turn, marks.unwrap_or_default()),
-                Err(error) => self.leave_open(turn, Open::Failure(Failure::Reply(error))),
-            },
-            What::Message(mut dialogue, marks) => match dialogue.supply(reply) {
-                Ok(None) => self.stage = Stage::Asking(turn, Asking::new(What::Message(dialogue, marks))),
-                outcome => self.confirmed(turn, &dialogue, marks, !matches!(outcome, Ok(Some(false)))),
-            },
-            What::Splitting(mut dialogue) => {
-                let split = dialogue.supply(reply).ok().flatten().flatten();
-                self.split(turn, split);
-            }
-            What::Retelling(mut dialogue) => {
-                let retelling = dialogue.supply(reply).ok().flatten().flatten();
-                turn.readings.push(dialogue.reading().clone());
-                self.retold(turn, retelling);
-            }
-            What::Goal(goal) => self.goal_reply(turn, goal, reply),
-            What::Weighing(mut weighed) => {
-                weighed.weighing.count(reply);
-                self.weighed(turn, weighed);
-            }
+            What::Meaning(begun) => self.meaning_reply(turn, begun, reply),
             What::Plan => self.plan_reply(turn, reply),
             What::Wish(mut dialogue, words) => match dialogue.supply(reply) {
                 Ok(None) => self.stage = Stage::Asking(turn, Asking::new(What::Wish(dialogue, words))),
-                Ok(Some(Wish::Goal)) => self.ask_for_another_goal(turn, words),
-                Ok(Some(Wish::Further)) => self.ask_for_more(turn, words),
+                Ok(Some(Wish::Goal | Wish::Further)) => self.ask_for_another_goal(turn, words),
                 Ok(Some(Wish::Steps(wishes))) => self.amend(turn, &dialogue, words, &wishes),
                 Ok(Some(Wish::Question(question))) => self.ask_person(turn, question.clone(), question),
                 Err(error @ DialogueError::NoWish(_)) => {
@@ -210,10 +159,7 @@ impl Session {
         self.events.push(Event::Failed {
             error: error.to_owned(),
         });
-        match turn.is_retold_now() {
-            true => self.take_back(turn),
-            false => self.give_up(turn, Failure::Model(error.to_owned())),
-        }
+        self.give_up(turn, Failure::Model(error.to_owned()));
         Ok(())
     }
 }

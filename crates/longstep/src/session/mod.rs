@@ -24,7 +24,7 @@
 //! let prepared = session.next_request(&mut EstimatedTokens::default())?.unwrap();
 //! assert!(prepared.request.messages.last().unwrap().text.contains("The pen belongs on the shelf"));
 //! // The owner of the model sends the request; this is its reply.
-//! let text = r#"{"question": "", "goals": ["put(pen, shelf)"]}"#;
+//! let text = r#"{"goal": "put(pen, shelf)", "left_out": [], "question": ""}"#;
 //! session.supply(&Reply::complete(text), 740.0)?;
 //!
 //! let proposal = session.proposal().unwrap();
@@ -43,8 +43,7 @@ mod coverage_tests;
 mod direct;
 mod ended;
 mod event;
-mod forbidden;
-mod goal;
+mod meaning;
 #[cfg(test)]
 mod injected;
 mod log;
@@ -57,9 +56,6 @@ mod reread;
 #[cfg(test)]
 mod reread_tests;
 mod resume;
-mod retold;
-#[cfg(test)]
-mod retold_tests;
 mod rules;
 #[cfg(test)]
 mod rules_tests;
@@ -69,7 +65,6 @@ mod stage;
 mod tests;
 #[cfg(test)]
 mod value_tests;
-mod weighed;
 mod why;
 
 pub use accepted::Accepted;
@@ -282,8 +277,8 @@ impl Session {
         self.turn().map(|turn| turn.instruction.as_str())
     }
 
-    /// Returns how the last words of the person were understood: the answers of the model that were weighed, and the
-    /// reason for a question.
+    /// Returns how the last words of the person were understood: the answers of the model, and the row of the table that
+    /// decided.
     pub fn readings(&self) -> &[Reading] {
         self.turn().map_or(&[], |turn| &turn.readings)
     }
@@ -315,7 +310,7 @@ impl Session {
         if let Stage::Asking(turn, asking) = &self.stage
             && asking.is_first_of(turn)
         {
-            self.stage = Stage::Asking(turn.clone(), self.first_request(&turn.instruction));
+            self.stage = Stage::Asking(turn.clone(), self.ask());
         }
     }
 
@@ -339,8 +334,6 @@ impl Session {
         self.world.add_values(text);
         let turn = Turn {
             instruction: text.to_owned(),
-            shorter: None,
-            marks: Vec::new(),
             rounds: Vec::new(),
             corrections: 0,
             uncorrected: None,
@@ -348,13 +341,9 @@ impl Session {
             model_milliseconds: 0.0,
             proposal: None,
             rereading: None,
-            retold: None,
-            parted: None,
-            is_weighed: false,
-            is_reread: false,
             readings: Vec::new(),
         };
-        self.stage = Stage::Asking(turn, self.first_request(text));
+        self.stage = Stage::Asking(turn, self.ask());
         Ok(())
     }
 
@@ -516,7 +505,6 @@ impl Session {
         turn.proposal = Some(Box::new(proposal));
         // The round stays: it is part of how this goal came about.
         turn.rereading = None;
-        turn.shorter = None;
         let asks = turn
             .proposal
             .as_ref()

@@ -11,7 +11,6 @@
 use super::pending::{Asking, What};
 use super::{Event, Proposal, Refusal, Session, Stage, Turn};
 use crate::feedback::{Amendment, FeedbackDialogue, StepWish, reordered};
-use crate::goal::Goal;
 use crate::report::{Answer, EditAnswer};
 
 impl Session {
@@ -37,8 +36,8 @@ impl Session {
         let round = self.goal_round(&turn, words);
         turn.rounds.push(round);
         turn.rereading = Some(why);
-        if may_be_goal && self.goal_dialogue(&turn, None).dialogue.is_further() {
-            self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
+        if may_be_goal {
+            self.stage = Stage::Asking(turn, Asking::new(What::Meaning(None)));
         } else {
             let why = turn.end_rereading().unwrap_or_default();
             self.refuse(turn, why);
@@ -102,21 +101,8 @@ impl Session {
 }
 
 impl Turn {
-    /// Returns true unless the goal is to be one more than those of the proposed plan and is not.
-    pub(super) fn accepts_as_goal(&self, goal: &Goal) -> bool {
-        let proposal = self.proposal.as_deref();
-        let before = proposal.and_then(|proposal| proposal.goal.as_ref());
-        let goes_on = |before: &Goal| {
-            before.facts.iter().all(|fact| goal.facts.contains(fact)) && goal.facts.len() > before.facts.len()
-        };
-        self.rereading.is_none() || before.is_some_and(goes_on)
-    }
-
     /// Stops reading the feedback as a further goal, and returns what stood in the way of its first reading.
     pub(super) fn end_rereading(&mut self) -> Option<Vec<Refusal>> {
-        if let Some(instruction) = self.shorter.take() {
-            self.instruction = instruction;
-        }
         let why = self.rereading.take()?;
         self.rounds.pop();
         Some(why)

@@ -47,25 +47,6 @@ pub struct Settings {
     /// Work of a search for a goal; none for the limits of the planner.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effort: Option<Effort>,
-    /// True if a model under a grammar marks, before it writes goals, what the instruction says beside wishes
-    /// ([`ScreeningDialogue`](crate::dialogue::ScreeningDialogue)). Logs of older programs have no such requests.
-    #[serde(default)]
-    pub screening: bool,
-    /// True if a message that the screening marks is confirmed by requests about it alone
-    /// ([`MessageDialogue`](crate::dialogue::MessageDialogue)). Logs of older programs have no such requests.
-    #[serde(default)]
-    pub confirming: bool,
-    /// True if what an instruction forbids beside its wish is understood, too: as a constraint of the goal.
-    #[serde(default)]
-    pub forbidding: bool,
-    /// True if a model under a grammar retells in plain English ([`RetellingDialogue`](crate::dialogue::RetellingDialogue))
-    /// an instruction that it could only ask about. The question is asked if that does not lead to a plan either.
-    #[serde(default)]
-    pub retelling: bool,
-    /// True if the answers to an instruction and to its retelling are weighed, each for both. Logs of older programs have no such
-    /// requests.
-    #[serde(default)]
-    pub weighing: bool,
     /// True if a plan that leaves out a part of the instruction is proposed like any other; otherwise it is a question
     /// ([`Response::Consent`](super::Response::Consent)).
     #[serde(default)]
@@ -73,7 +54,7 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// The goal strategy with screening, repair first, three rounds (the most that the paper needed), and two earlier
+    /// The goal strategy, repair first, three rounds (the most that the paper needed), and two earlier
     /// instructions.
     /// Two suffice for "put it back" and keep prompts at a constant length.
     fn default() -> Self {
@@ -84,11 +65,6 @@ impl Default for Settings {
             accept: false,
             history: 2,
             effort: None,
-            screening: true,
-            confirming: true,
-            forbidding: true,
-            retelling: true,
-            weighing: true,
             partial: false,
         }
     }

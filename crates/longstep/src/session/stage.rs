@@ -3,11 +3,8 @@
 use std::fmt;
 
 use super::ended::Left;
-use super::forbidden::Parted;
 use super::pending::Asking;
-use super::retold::Retold;
 use super::{Ended, Failure, Refusal};
-use crate::coverage::Mark;
 use crate::dialogue::{Reading, Round, Usage};
 use crate::goal::Goal;
 use crate::report::Answer;
@@ -77,10 +74,6 @@ impl Proposal {
 #[derive(Debug, Clone)]
 pub(super) struct Turn {
     pub(super) instruction: String,
-    /// The instruction before feedback that asks for something beside it was added, until there is a plan for both.
-    pub(super) shorter: Option<String>,
-    /// The parts of the instruction that a model marked.
-    pub(super) marks: Vec<Mark>,
     /// The model's replies and the feedback on them.
     pub(super) rounds: Vec<Round>,
     /// Number of corrections sent to the model.
@@ -93,16 +86,15 @@ pub(super) struct Turn {
     pub(super) proposal: Option<Box<Proposal>>,
     /// While feedback is read as a further goal: what stands in the way of it as a change of the steps.
     pub(super) rereading: Option<Vec<Refusal>>,
-    /// The instruction as a model retells it, if it led to a question.
-    pub(super) retold: Option<Retold>,
-    /// The parts of an instruction that forbids something.
-    pub(super) parted: Option<Parted>,
-    /// True if the model says how likely its replies are.
-    pub(super) is_weighed: bool,
-    /// True if a second look at the instruction found no plan.
-    pub(super) is_reread: bool,
     /// How the last words of the person were understood.
     pub(super) readings: Vec<Reading>,
+}
+
+impl Turn {
+    /// Returns true if the person has said nothing but the instruction, and nothing is proposed.
+    pub(super) fn is_unanswered(&self) -> bool {
+        self.rounds.is_empty() && self.proposal.is_none() && self.rereading.is_none()
+    }
 }
 
 /// The state of a session.

@@ -3,99 +3,114 @@
 use indexmap::IndexMap;
 use longstep_core::model::written_fact;
 
-use super::left_out::{LeftOut, LeftOutKind};
+use super::request::other_predicates;
 use super::sayable;
+use crate::coverage::Gap;
 use crate::dialogue::DialogueError;
 use crate::dialogue::answer_grammar::Form;
 use crate::environment::{EntityId, World};
-use crate::goal::{self, ALWAYS, Dependence, Goal, IF, Mentions, NEVER, NOT, THEN};
-use crate::model::{FormPiece, Function, GoalWord};
+use crate::goal::{self, ALWAYS, Dependence, Goal, IF, NEVER, NOT, THEN};
+use crate::model::{FormPiece, Function, GoalWord, PredicateId, TypeId, ValueForm};
 
 /// The largest number of goals in a stage, and of constraints.
 const PARTS: usize = 8;
 /// The largest number of stages.
 const STAGES: usize = 6;
+/// The largest number of parts of an instruction that an answer leaves out.
+const LEFT_OUT_PARTS: usize = 3;
 /// The word before the words of an instruction that the goal does not say, and their kind.
 const LEFT_OUT: &str = " | left out ";
+/// The notation of any entity in a goal that is forbidden.
+const ANYTHING: &str = "_";
+/// A number.
+const NUMBER: &str = "-?[0-9]{1,6}(\\.[0-9]{1,3})?";
+/// The largest number of names in a list.
+const LISTED: usize = 4;
 /// The beginning of an answer that asks the person.
 const QUESTION: &str = "question:";
 
-/// An answer to an instruction.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Answer {
-    /// The goal; none if the model asks.
-    pub goal: Option<Goal>,
-    /// The words of the instruction that the goal does not say.
-    pub left_out: Vec<LeftOut>,
+/// Words of an instruction that the goal does not say.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct LeftOut {
+    /// The words, as they were said.
+    pub text: String,
+    /// Their kind.
+    pub kind: Gap,
 }
 
-/// Reads an answer.
-///
-/// # Errors
-///
-/// The answer is no goal in this world.
-pub fn read(world: &World, text: &str) -> Result<Answer, DialogueError> {
-    let text = text.trim();
-    if text.starts_with(QUESTION) {
-        return Ok(Answer::default());
-    }
-    let mut parts = text.split(LEFT_OUT);
+/// An answer to an instruction.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Answer {
+    /// The goal; none if the model asks.
+    pub(super) goal: Option<Goal>,
+    /// The words of the instruction that the goal does not say.
+    pub(super) left_out: Vec<LeftOut>,
+}
+
+/// Splits an answer into its goal and the words that the goal does not say.
+pub(super) fn split(text: &str) -> (&str, Vec<LeftOut>) {
+    let mut parts = text.trim().split(LEFT_OUT);
     let goal = parts.next().unwrap_or_default();
     let left_out = parts.filter_map(|part| {
         let (kind, words) = part.split_once(": ")?;
         Some(LeftOut {
             text: words.trim().to_owned(),
-            kind: LeftOutKind::read(kind)?,
+            kind: Gap::named(kind)?,
         })
     });
+    (goal, left_out.collect())
+}
+
+/// Reads an answer: a goal, or a question, which has none.
+///
+/// # Errors
+///
+/// The answer is no goal in this world.
+pub(super) fn read(world: &World, text: &str) -> Result<Answer, DialogueError> {
+    if text.trim().starts_with(QUESTION) {
+        return Ok(Answer::default());
+    }
+    let (goal, left_out) = split(text);
     Ok(Answer {
-        left_out: left_out.collect(),
         goal: Some(goal::parse(world, goal)?),
+        left_out,
     })
+}
+
+/// Returns true if there is anything to ask for, or to forbid, in a world.
+pub(super) fn can_say_goals(world: &World) -> bool {
+    let parts = Parts::of(world, "");
+    parts.goals().is_some() || parts.constraints().is_some()
 }
 
 /// Returns the form of an answer to an instruction in a world. `asks` admits a question.
 pub(super) fn form(world: &World, instruction: &str, asks: bool) -> Form {
-    let parts = Parts::of(world);
-    let wish = parts.goals();
-    let constraint = parts.constraints();
+    let parts = Parts::of(world, instruction);
     let together = || Form::text(" & ");
+    let wish = parts.goals().map(|wish| {
+        wish.separated(together(), PARTS)
+            .separated(Form::text(" then "), STAGES)
+    });
+    let alone = parts
+        .constraints()
+        .map(|constraint| constraint.separated(together(), PARTS).shared());
     let mut ways = Vec::new();
     if asks {
         ways.push(Form::text(QUESTION));
     }
-    if let Some(constraint) = constraint {
-        let alone = constraint.clone().separated(together(), PARTS);
-        if let Some(wish) = wish {
-            let stages = wish.separated(together(), PARTS).separated(Form::text(" then "), STAGES);
-            let more = Form::Row(vec![together(), alone.clone()]).optional();
-            ways.push(with_left_out(Form::Row(vec![stages, more]), instruction));
-        }
-        ways.push(with_left_out(alone, instruction));
-    } else if let Some(wish) = wish {
-        let stages = wish.separated(together(), PARTS).separated(Form::text(" then "), STAGES);
-        ways.push(with_left_out(stages, instruction));
+    if let Some(wish) = wish {
+        let more = alone.clone().map(|alone| Form::Row(vec![together(), alone]).optional());
+        let goal = std::iter::once(wish).chain(more).collect();
+        ways.push(parts.with_left_out(Form::Row(goal)));
     }
+    ways.extend(alone.map(|alone| parts.with_left_out(alone)));
     Form::Either(ways)
-}
-
-fn with_left_out(answer: Form, instruction: &str) -> Form {
-    match spans(instruction) {
-        Some(spans) => Form::Row(vec![
-            answer,
-            Form::Row(vec![
-                Form::text(LEFT_OUT),
-                Form::texts(LeftOutKind::ALL.map(|kind| format!("{kind}: "))),
-                spans,
-            ])
-            .optional(),
-        ]),
-        None => answer,
-    }
 }
 
 /// Returns the form of any run of words of an instruction; of a script without spaces, any run of its letters.
 fn spans(instruction: &str) -> Option<Form> {
+    // A text in a goal stands between double quotes.
+    let instruction = instruction.replace(['"', '\\'], " ");
     let mut words: Vec<String> = instruction.split_whitespace().map(str::to_owned).collect();
     let mut between = " ";
     let has_no_spaces = |word: &String| word.chars().filter(|letter| !letter.is_ascii()).count() > 8;
@@ -125,16 +140,28 @@ fn spans(instruction: &str) -> Option<Form> {
 /// The parts of which answers in a world consist.
 struct Parts<'a> {
     world: &'a World,
+    /// Runs of words of the instruction; none if it has no words.
+    spans: Option<Form>,
     /// The forms of groups, by their lists of possible members.
     groups: std::cell::RefCell<IndexMap<Vec<EntityId>, Form>>,
 }
 
 impl<'a> Parts<'a> {
-    fn of(world: &'a World) -> Self {
+    fn of(world: &'a World, instruction: &str) -> Self {
         Self {
             world,
+            spans: spans(instruction).map(Form::shared),
             groups: Default::default(),
         }
+    }
+
+    fn with_left_out(&self, answer: Form) -> Form {
+        let Some(spans) = self.spans.clone() else {
+            return answer;
+        };
+        let kinds = Form::texts(Gap::ALL.map(|kind| format!("{}: ", kind.name())));
+        let words = Form::Row(vec![Form::text(LEFT_OUT), kinds, spans]);
+        Form::Row(vec![answer, words.times(0, LEFT_OUT_PARTS)])
     }
 
     /// Returns the form of a goal; none if the domain has nothing to ask for.
@@ -142,14 +169,17 @@ impl<'a> Parts<'a> {
         let domain = self.world.domain();
         let words = domain.goal_words.iter();
         let mut simple: Vec<Form> = words
-            .flat_map(|word| self.word(word, sayable::arguments(self.world, word)))
+            .flat_map(|word| match self.takes_values(word) {
+                true => self.word_with_values(word).into_iter().collect(),
+                false => self.word(word, goal::sayable(self.world, word), false),
+            })
             .collect();
         simple.extend(domain.functions.iter().filter_map(|function| self.comparison(function)));
         if simple.is_empty() {
             return None;
         }
         let simple = Form::Either(simple).shared();
-        let conditions = goal::conditions(self.world, &Mentions::default());
+        let conditions = goal::conditions(self.world);
         if conditions.is_empty() {
             return Some(simple);
         }
@@ -164,17 +194,102 @@ impl<'a> Parts<'a> {
     fn constraints(&self) -> Option<Form> {
         let domain = self.world.domain();
         let words = domain.goal_words.iter();
-        let states: Vec<Form> = words.flat_map(|word| self.word(word, self.products(word))).collect();
+        let mut states: Vec<Form> = words
+            .flat_map(|word| match self.takes_values(word) {
+                true => self.word_with_values(word).into_iter().collect(),
+                false => self.word(word, self.products(word), true),
+            })
+            .collect();
+        states.extend(other_predicates(domain).into_iter().filter_map(|id| self.predicate(id)));
         let mut ways = Vec::new();
         if !states.is_empty() {
             let before = Form::texts([NEVER.to_owned(), ALWAYS.to_owned()]);
             ways.push(Form::Row(vec![before, Form::Either(states)]));
         }
-        let all: Vec<EntityId> = self.world.entities().map(|(id, _)| id).skip(domain.constants.len()).collect();
+        let all: Vec<EntityId> = self
+            .world
+            .entities()
+            .filter(|(_, entity)| !entity.is_value)
+            .map(|(id, _)| id)
+            .skip(domain.constants.len())
+            .collect();
         if !all.is_empty() {
-            ways.push(Form::Row(vec![Form::text("untouched("), self.argument(&all), Form::text(")")]));
+            ways.push(Form::Row(vec![
+                Form::text("untouched("),
+                self.argument(&all, false),
+                Form::text(")"),
+            ]));
         }
         (!ways.is_empty()).then(|| Form::Either(ways).shared())
+    }
+
+    /// Returns the form of a fact that no goal word is about; none if no entity fits.
+    fn predicate(&self, id: PredicateId) -> Option<Form> {
+        let predicate = self.world.domain().predicate(id);
+        let mut parts = vec![Form::text(predicate.name.replace('-', "_"))];
+        for (place, parameter) in predicate.parameters.iter().enumerate() {
+            let own = self.world.of_kind(parameter.kind);
+            if own.is_empty() {
+                return None;
+            }
+            parts.push(Form::text(if place == 0 { "(" } else { ", " }));
+            parts.push(self.argument(own, true));
+        }
+        parts.push(Form::text(")"));
+        Some(Form::Row(parts))
+    }
+
+    /// Returns true if a goal word has a number or a text.
+    fn takes_values(&self, word: &GoalWord) -> bool {
+        word.parameters.iter().any(|own| self.value(own.kind).is_some())
+    }
+
+    /// Returns the form of the values of a type; none if it has none.
+    fn value(&self, kind: TypeId) -> Option<Form> {
+        let domain = self.world.domain();
+        let value = domain.values.iter().find(|value| value.kind == kind)?;
+        match &value.form {
+            ValueForm::Text => {
+                let spans = self.spans.clone()?;
+                Some(Form::Row(vec![Form::text("\""), spans, Form::text("\"")]))
+            }
+            ValueForm::Quantity(form) => {
+                let number = Form::Pattern(NUMBER.to_owned());
+                let units = std::iter::once(&form.unit).chain(form.units.iter().map(|(unit, _)| unit));
+                let units = Form::texts(units.filter(|unit| !unit.is_empty()).map(|unit| format!(" {unit}")));
+                Some(match form.unit.is_empty() {
+                    true => number,
+                    false => Form::Row(vec![number, units]),
+                })
+            }
+        }
+    }
+
+    /// Returns the form of a goal word with any number or text in its place; none if no entity fits.
+    fn word_with_values(&self, word: &GoalWord) -> Option<Form> {
+        let mut parts = Vec::new();
+        for piece in &word.form {
+            parts.push(match piece {
+                FormPiece::Text(text) => Form::text(text),
+                FormPiece::Parameter(index) => {
+                    let kind = word.parameters[*index].kind;
+                    match self.value(kind) {
+                        Some(value) => value,
+                        None if self.world.of_kind(kind).is_empty() => return None,
+                        None => self.argument(&self.fitting(word, *index), false),
+                    }
+                }
+            });
+        }
+        Some(Form::Row(parts))
+    }
+
+    /// Returns the entities for which a goal word with a value makes sense, as far as a known value shows it.
+    fn fitting(&self, word: &GoalWord, parameter: usize) -> Vec<EntityId> {
+        match column(&goal::sayable(self.world, word), parameter) {
+            known if known.is_empty() => self.world.of_kind(word.parameters[parameter].kind).to_vec(),
+            known => known,
+        }
     }
 
     /// Returns all argument lists of a word by the types of its parameters.
@@ -197,7 +312,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Returns the forms of a goal word: with these arguments, and with groups in their places.
-    fn word(&self, word: &GoalWord, arguments: Vec<Vec<EntityId>>) -> Vec<Form> {
+    fn word(&self, word: &GoalWord, arguments: Vec<Vec<EntityId>>, is_forbidden: bool) -> Vec<Form> {
         if arguments.is_empty() {
             return Vec::new();
         }
@@ -206,23 +321,25 @@ impl<'a> Parts<'a> {
         let mut forms = vec![Form::Row(exact)];
         for grouped in 0..word.parameters.len() {
             let members = column(&arguments, grouped);
-            if members.iter().any(|member| self.world.entity(*member).is_value) {
-                continue;
-            }
             let pieces = word.form.iter().map(|piece| match piece {
                 FormPiece::Text(text) => Form::text(text),
+                FormPiece::Parameter(index) if *index == grouped && is_forbidden => {
+                    Form::Either(vec![Form::text(ANYTHING), self.group(&members)])
+                }
                 FormPiece::Parameter(index) if *index == grouped => self.group(&members),
-                FormPiece::Parameter(index) => self.argument(&column(&arguments, *index)),
+                FormPiece::Parameter(index) => self.argument(&column(&arguments, *index), is_forbidden),
             });
             forms.push(Form::Row(pieces.collect()));
         }
         forms
     }
 
-    /// Returns the form of one of the entities, or of a group of them.
-    fn argument(&self, entities: &[EntityId]) -> Form {
+    /// Returns the form of one of the entities, or of a group of them; of anything where the goal is forbidden.
+    fn argument(&self, entities: &[EntityId], is_forbidden: bool) -> Form {
         let names = entities.iter().map(|entity| self.world.entity(*entity).name.clone());
-        Form::Either(vec![Form::texts(names), self.group(entities)])
+        let anything = is_forbidden.then(|| Form::text(ANYTHING));
+        let named = [Form::texts(names), self.group(entities)];
+        Form::Either(named.into_iter().chain(anything).collect())
     }
 
     /// Returns the form of a group with some of these members.
@@ -230,24 +347,30 @@ impl<'a> Parts<'a> {
         if let Some(known) = self.groups.borrow().get(members) {
             return known.clone();
         }
-        let quantifiers = ["all ", "any "].map(str::to_owned).into_iter();
-        let counts = (2..=members.len().clamp(2, 9)).flat_map(|count| [format!("{count} of "), format!("exactly {count} of ")]);
+        let most = members.len().clamp(2, 9);
+        let counts = (2..=most).flat_map(|count| [format!("{count} of "), format!("exactly {count} of ")]);
+        let but = (1..most).map(|count| format!("all but {count} of "));
+        let quantifiers = ["all ", "any "].map(str::to_owned).into_iter().chain(counts).chain(but);
         let kinds = Form::texts(sayable::kinds(self.world, members));
-        let mut parts = vec![Form::texts(quantifiers.chain(counts)), kinds];
+        let mut parts = vec![Form::texts(quantifiers), kinds];
         let states = sayable::states(self.world, members);
         if !states.is_empty() {
-            let states = Form::texts(states).separated(Form::text(" & "), 2);
-            parts.push(Form::Row(vec![Form::text(" where "), states]).optional());
+            let states = Form::texts(states).shared();
+            let more = Form::Row(vec![Form::texts([" & ", " or "].map(str::to_owned)), states.clone()]);
+            parts.push(Form::Row(vec![Form::text(" where "), states, more.optional()]).optional());
         }
         let names = members.iter().map(|member| self.world.entity(*member).name.clone());
         let names = Form::texts(names).shared();
-        let several = names.clone().separated(Form::text(", "), 4);
+        let several = names.clone().separated(Form::text(", "), LISTED).shared();
         let except = Form::Either(vec![
             names,
-            Form::Row(vec![Form::text("("), several, Form::text(")")]),
+            Form::Row(vec![Form::text("("), several.clone(), Form::text(")")]),
         ]);
         parts.push(Form::Row(vec![Form::text(" except "), except]).optional());
-        let form = Form::Row(parts).shared();
+        let of_kind = Form::Row(parts);
+        let before = ["any of (", "2 of (", "3 of ("].map(str::to_owned);
+        let listed = Form::Row(vec![Form::texts(before), several, Form::text(")")]);
+        let form = Form::Either(vec![of_kind, listed]).shared();
         self.groups.borrow_mut().insert(members.to_vec(), form.clone());
         form
     }
@@ -264,14 +387,14 @@ impl<'a> Parts<'a> {
                 return None;
             }
             parts.push(Form::text(if place == 0 { "(" } else { ", " }));
-            parts.push(self.argument(own));
+            parts.push(self.argument(own, false));
         }
         if !function.parameters.is_empty() {
             parts.push(Form::text(")"));
         }
         let symbols = [" >= ", " <= ", " = ", " > ", " < "].map(str::to_owned);
         parts.push(Form::texts(symbols));
-        parts.push(Form::Pattern("-?[0-9]{1,6}(\\.[0-9]{1,3})?".to_owned()));
+        parts.push(Form::Pattern(NUMBER.to_owned()));
         if let Some(unit) = &function.unit {
             parts.push(Form::text(format!(" {unit}")).optional());
         }

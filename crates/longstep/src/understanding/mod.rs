@@ -1,15 +1,20 @@
 //! Understanding: from an instruction in a world to a goal, with one request to a model.
 //!
-//! [`request`] builds the messages, [`answer`] the form of the answer and its reading. Every model gets the same messages and
-//! writes the same language: goals, stages, groups, conditions, constraints, and the words that none of these says.
+//! Every model gets the same messages and writes the same language: goals, stages, groups, conditions, constraints, and the words that
+//! none of these says. An [`Understanding`] builds the request and reads the reply; a [`Profile`] decides when to ask the person; the
+//! result is an [`Interpretation`].
 
 mod answer;
-mod left_out;
+mod dialogue;
+mod fitted;
+mod interpretation;
 mod profile;
+mod question;
 mod request;
 mod sayable;
 
-pub use left_out::{LeftOut, LeftOutKind};
-pub use answer::{Answer, read};
+pub use answer::LeftOut;
+pub use dialogue::{Understanding, UnderstandingInput};
+pub use fitted::FittedUnderstanding;
+pub use interpretation::Interpretation;
 pub use profile::{Decision, Profile};
-pub use request::{UnderstandingDialogue, UnderstandingInput};

@@ -1,5 +1,9 @@
 //! When an answer of a model is acted on, and when the person is asked: one table.
 
+use serde::{Deserialize, Serialize};
+
+use crate::dialogue::nats;
+
 /// What is known about a model's answers, and the limits that follow. Likelihoods are in thousandths of a nat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Profile {
@@ -33,9 +37,11 @@ impl Profile {
 }
 
 /// The row of the table that decided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Decision {
     /// The goal is likely enough, or the model is believed.
+    #[default]
     Act,
     /// The model would ask, and its best goal is likely enough.
     ActInsteadOfAsking,
@@ -46,6 +52,15 @@ pub enum Decision {
 }
 
 impl Profile {
+    /// Returns the limit that a decision came from, in nats.
+    pub(super) fn limit(&self, decision: Decision) -> Option<f64> {
+        match decision {
+            Decision::Act | Decision::AskForUnlikely => self.goal,
+            Decision::ActInsteadOfAsking | Decision::Ask => self.instead_of_question,
+        }
+        .map(nats)
+    }
+
     /// Decides about an answer: `question` says that the model would ask, `likelihood` is that of its best goal.
     pub fn decide(&self, question: bool, likelihood: Option<i64>) -> Decision {
         let reaches = |limit: Option<i64>| match (limit, likelihood) {

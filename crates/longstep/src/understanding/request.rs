@@ -1,14 +1,70 @@
-//! The request: messages that are the same for every model.
+//! The messages of a request: the same for every model.
 
-use super::answer::{self, Answer};
-use super::left_out::LeftOutKind;
+use serde_json::json;
+
+use super::answer;
+use crate::coverage::Gap;
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Task, Transcript, fixed_turns, plain_line, scene,
-    scene_and_instruction,
+    ConstraintKind, Message, Role, Round, fixed_turns, object, plain_line, scene, scene_and_instruction,
 };
 use crate::environment::World;
-use crate::goal::{Mentions, offers};
+use crate::goal::QUESTION;
 use crate::model::{Condition, Domain, PredicateId};
+
+/// What a server is told about the form of its answer, behind the system text.
+const JSON_FORM: &str = "\n\nWrite the answer as a JSON object with three keys: \"goal\", the whole goal as a text in this language, \
+    empty if you ask; \"left_out\", the words that the goal does not say, each with its \"text\", copied from the instruction, \
+    and its \"kind\"; and \"question\", which is empty unless you have to ask.";
+
+/// Returns the fixed messages, then the scene with the instruction, then the later rounds; and the number of the fixed ones.
+/// `examples` is the number of worked examples; all if none.
+pub(super) fn messages(
+    domain: &Domain,
+    world: &World,
+    instruction: &str,
+    rounds: &[Round],
+    kind: ConstraintKind,
+    examples: Option<usize>,
+) -> (Vec<Message>, usize) {
+    let mut messages = fixed_turns(domain);
+    messages[0].text.push_str(&language(domain));
+    if let Some(examples) = examples {
+        messages.truncate(1 + 2 * examples);
+    }
+    if kind == ConstraintKind::JsonSchema {
+        messages[0].text.push_str(JSON_FORM);
+        for answer in messages.iter_mut().skip(2).step_by(2) {
+            answer.text = in_form(&answer.text, kind);
+        }
+    }
+    let fixed = messages.len();
+    let scene = scene(world);
+    // The scene has everyday names alone.
+    let said = |words: &str| plain_line(&world.with_everyday_names(words));
+    messages.push(Message::new(Role::User, scene_and_instruction(&scene, &said(instruction))));
+    for round in rounds {
+        messages.push(Message::new(Role::Assistant, in_form(&round.reply, kind)));
+        messages.push(Message::new(Role::User, said(&round.message)));
+    }
+    (messages, fixed)
+}
+
+/// Converts an answer to the form for this kind of model.
+fn in_form(answer: &str, kind: ConstraintKind) -> String {
+    if kind == ConstraintKind::Grammar || object::<serde_json::Value>(answer).is_ok() {
+        return answer.to_owned();
+    }
+    let (goal, question) = match answer.strip_prefix(QUESTION) {
+        Some(question) => ("", question),
+        None => (answer, ""),
+    };
+    let (goal, left_out) = answer::split(goal);
+    let left_out: Vec<_> = left_out
+        .iter()
+        .map(|own| json!({"text": own.text, "kind": own.kind.name()}))
+        .collect();
+    json!({"goal": goal, "left_out": left_out, "question": question}).to_string()
+}
 
 /// Returns the goal language beyond plain goals, at the end of the system text. The adapter has learned these bytes.
 fn language(domain: &Domain) -> String {
@@ -33,102 +89,45 @@ fn language(domain: &Domain) -> String {
         text.push_str(&format!("; a CONDITION is one of: {}", conditions.join(", ")));
     }
     text.push_str("\n- left out KIND: the words that none of these can say, at the end, and their KIND: ");
-    text.push_str(&LeftOutKind::ALL.map(LeftOutKind::word).join(", "));
+    text.push_str(&Gap::ALL.map(Gap::name).join(", "));
     text
 }
 
 /// Returns the forms of what can be sensed.
 fn conditions(domain: &Domain) -> Vec<String> {
-    let sensed = domain.states.iter().filter(|word| domain.is_sensed(word.atom.predicate));
+    let sensed = domain
+        .states
+        .iter()
+        .filter(|word| domain.is_sensed(word.atom.predicate));
     sensed.map(|word| format!("{}(THING)", word.word)).collect()
 }
 
-/// Returns the forms of the facts that change and that no goal word is about: where the robot is, what it holds.
-fn other_states(domain: &Domain) -> Vec<String> {
+/// Returns the facts that change and that no goal word is about: where the robot is, what it holds.
+pub(super) fn other_predicates(domain: &Domain) -> Vec<PredicateId> {
     let of_goals = |predicate: PredicateId| {
         let conditions = domain.goal_words.iter().map(|word| &word.condition);
-        conditions.flat_map(Condition::atoms).any(|(atom, _)| atom.predicate == predicate)
+        conditions
+            .flat_map(Condition::atoms)
+            .any(|(atom, _)| atom.predicate == predicate)
     };
-    let mut forms = Vec::new();
-    for (index, predicate) in domain.predicates.iter().enumerate() {
-        let id = PredicateId::new(index);
-        let words = domain.words(id);
-        if words.fluent && !words.event && !domain.is_sensed(id) && !of_goals(id) && !predicate.parameters.is_empty() {
-            let kinds = predicate.parameters.iter().map(|parameter| parameter.name.to_uppercase());
-            forms.push(format!("{}({})", predicate.name.replace('-', "_"), kinds.collect::<Vec<_>>().join(", ")));
-        }
-    }
-    forms
+    let all = (0..domain.predicates.len()).map(PredicateId::new);
+    all.filter(|id| {
+        let words = domain.words(*id);
+        let has_arguments = !domain.predicate(*id).parameters.is_empty();
+        words.fluent && !words.event && !domain.is_sensed(*id) && !of_goals(*id) && has_arguments
+    })
+    .collect()
 }
 
-/// The token budget of an answer.
-const ANSWER_TOKENS: u32 = 384;
-
-/// The inputs of a request.
-#[derive(Debug, Clone, Copy)]
-pub struct UnderstandingInput<'a> {
-    /// The domain with its prompts.
-    pub domain: &'a Domain,
-    /// The world shown to the model.
-    pub world: &'a World,
-    /// The instruction of the person.
-    pub instruction: &'a str,
-    /// The number of worked examples; all if none.
-    pub examples: Option<usize>,
-    /// True if the model may ask.
-    pub asks: bool,
-}
-
-/// The request for an instruction.
-#[derive(Debug, Clone)]
-pub struct UnderstandingDialogue {
-    transcript: Transcript,
-    world: World,
-    instruction: String,
-    asks: bool,
-}
-
-impl UnderstandingDialogue {
-    /// Starts the request.
-    pub fn new(input: UnderstandingInput<'_>) -> Self {
-        let UnderstandingInput { domain, world, instruction, examples, asks } = input;
-        let mut fixed = fixed_turns(domain, ConstraintKind::Grammar);
-        fixed[0].text.push_str(&language(domain));
-        if let Some(examples) = examples {
-            fixed.truncate(1 + 2 * examples);
-        }
-        let mut transcript = Transcript::new(ConstraintKind::Grammar, fixed).for_task(Task::Goals);
-        let scene = scene(world, &offers(world, &[], &Mentions::default()));
-        let instruction = plain_line(instruction);
-        transcript.push(Role::User, scene_and_instruction(&scene, &instruction));
-        Self {
-            transcript,
-            world: world.clone(),
-            instruction,
-            asks,
-        }
-    }
-
-    /// Returns the messages of the request.
-    pub fn messages(&self) -> &[Message] {
-        self.transcript.messages()
-    }
-}
-
-impl Dialogue for UnderstandingDialogue {
-    type Output = Answer;
-
-    fn request(&self) -> ChatRequest {
-        let form = answer::form(&self.world, &self.instruction, self.asks);
-        self.transcript.under_grammar(form.grammar(), ANSWER_TOKENS)
-    }
-
-    fn supply(&mut self, reply: &Reply) -> Result<Option<Answer>, DialogueError> {
-        self.transcript.receive(reply)?;
-        answer::read(&self.world, self.transcript.answer()).map(Some)
-    }
-
-    fn transcript(&self) -> &Transcript {
-        &self.transcript
-    }
+/// Returns the forms of the facts that no goal word is about.
+fn other_states(domain: &Domain) -> Vec<String> {
+    let form = |id: PredicateId| {
+        let predicate = domain.predicate(id);
+        let names = predicate
+            .parameters
+            .iter()
+            .map(|parameter| parameter.name.to_uppercase());
+        format!("{}({})", predicate.name.replace('-', "_"), names.collect::<Vec<_>>().join(", "))
+    };
+    other_predicates(domain).into_iter().map(form).collect()
 }

@@ -1,44 +1,12 @@
-//! The parts of goals that can be said in a world: argument lists of goal words, kinds of groups and their states.
+//! The parts of groups that can be said in a world: kinds and states.
 
 use indexmap::IndexSet;
 
-use crate::effort;
-use crate::environment::{Bindings, EntityId, Fact, Moment, World, holds};
-use crate::model::{GoalWord, plain_words, singular};
+use crate::environment::{EntityId, Fact, World};
+use crate::model::{plain_words, singular};
 
 /// The longest list of states that may select the members of a group.
 const STATES: usize = 64;
-
-/// Returns the argument lists for which a goal word makes sense in the world, whether or not the goal holds.
-pub(super) fn arguments(world: &World, word: &GoalWord) -> Vec<Vec<EntityId>> {
-    let known = world.known();
-    for state in [&known, &world.state] {
-        let mut found = Vec::new();
-        collect(Moment { world, state }, word, &mut Vec::new(), &mut found);
-        if !found.is_empty() {
-            return found;
-        }
-    }
-    Vec::new()
-}
-
-fn collect(moment: Moment<'_>, word: &GoalWord, bindings: &mut Bindings, found: &mut Vec<Vec<EntityId>>) {
-    let Some(parameter) = word.parameters.get(bindings.len()) else {
-        let distinct = (1..bindings.len()).all(|at| !bindings[..at].contains(&bindings[at]));
-        if distinct && holds(moment, &word.offered, bindings) {
-            found.push(bindings.clone());
-        }
-        return;
-    };
-    for entity in moment.world.of_kind(parameter.kind) {
-        if !effort::spend(1) {
-            return;
-        }
-        bindings.push(*entity);
-        collect(moment, word, bindings, found);
-        bindings.pop();
-    }
-}
 
 /// Returns the kinds that some of the entities belong to: types, the last words of their names, and `thing`.
 pub(super) fn kinds(world: &World, entities: &[EntityId]) -> Vec<String> {

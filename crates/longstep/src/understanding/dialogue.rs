@@ -1,0 +1,296 @@
+//! The request for the meaning of an instruction, and what becomes of the replies.
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use super::answer::{self, Answer, LeftOut};
+use super::interpretation::Interpretation;
+use super::profile::{Decision, Profile};
+use super::question::Question;
+use super::request;
+use crate::coverage::Gap;
+use crate::dialogue::answer_grammar::closed;
+use crate::dialogue::{
+    Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, PartCost, Reading, Reply, Round, Task, TokenCounter,
+    Transcript, object, plain_line,
+};
+use crate::effort;
+use crate::environment::World;
+use crate::goal::Mentions;
+use crate::model::Domain;
+
+/// The token budget of an answer under a grammar.
+const GRAMMAR_TOKENS: u32 = 384;
+/// The token budget of a server's answer.
+pub(super) const ANSWER_TOKENS: u32 = 1024;
+
+/// What a person said, and where.
+#[derive(Debug, Clone, Copy)]
+pub struct UnderstandingInput<'a> {
+    /// The domain with its prompts.
+    pub domain: &'a Domain,
+    /// The world shown to the model.
+    pub world: &'a World,
+    /// The instruction of the person.
+    pub instruction: &'a str,
+    /// The earlier answers of the model, each with the reply of the person.
+    pub rounds: &'a [Round],
+    /// The kind of constraint that the model supports.
+    pub kind: ConstraintKind,
+    /// The number of worked examples in the request; all if none.
+    pub examples: Option<usize>,
+}
+
+impl<'a> UnderstandingInput<'a> {
+    /// The inputs for an instruction without earlier rounds.
+    pub fn new(domain: &'a Domain, world: &'a World, instruction: &'a str, kind: ConstraintKind) -> Self {
+        Self {
+            domain,
+            world,
+            instruction,
+            rounds: &[],
+            kind,
+            examples: Some(EXAMPLES),
+        }
+    }
+}
+
+/// The worked examples of a request: the first ones of the domain. The adapter was trained with any number of them.
+const EXAMPLES: usize = 0;
+
+/// Lets a model say what an instruction means. One request; a second one where a model under a grammar would ask: for the goal that it
+/// takes to be meant, which decides whether to ask, and what.
+///
+/// ```
+/// use longstep::dialogue::{ConstraintKind, Dialogue, Reply};
+/// use longstep::understanding::{Understanding, UnderstandingInput};
+/// let planner = longstep::Planner::shipped("household")?;
+/// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+/// let says = "Put the pen on the shelf by noon";
+/// let input = UnderstandingInput::new(planner.domain(), &world, says, ConstraintKind::JsonSchema);
+/// let mut understanding = Understanding::new(input);
+/// let reply = r#"{"goal": "put(pen, shelf)", "left_out": [{"text": "by noon", "kind": "time"}], "question": ""}"#;
+/// let meaning = understanding.supply(&Reply::complete(reply)).unwrap().unwrap();
+/// assert_eq!(meaning.goal.unwrap().everyday(&world), ["put(pen, shelf)"]);
+/// assert_eq!(meaning.left_out[0].text, "by noon");
+/// assert_eq!(meaning.question, None);
+/// # Ok::<(), longstep::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Understanding {
+    transcript: Transcript,
+    world: World,
+    /// The words of the person, the last ones last.
+    words: String,
+    /// The names in the words.
+    mentions: Mentions,
+    /// False once the model has asked: the next answer is a goal.
+    asks: bool,
+    candidates: Vec<Candidate>,
+    /// True if showing the scene, or the possible answers, takes too much work.
+    is_exhausted: bool,
+}
+
+/// The answer of a server.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Written {
+    goal: String,
+    left_out: Vec<WrittenPart>,
+    question: String,
+}
+
+#[derive(Debug, Deserialize)]
+struct WrittenPart {
+    text: String,
+    kind: String,
+}
+
+impl Understanding {
+    /// Starts the request.
+    pub fn new(input: UnderstandingInput<'_>) -> Self {
+        let UnderstandingInput {
+            domain,
+            world,
+            instruction,
+            rounds,
+            kind,
+            examples,
+        } = input;
+        let messages = || request::messages(domain, world, instruction, rounds, kind, examples);
+        let shown = effort::within(effort::OPERATION, messages);
+        let (mut fixed, count) = shown.result;
+        let own = fixed.split_off(count);
+        let mut transcript = Transcript::new(kind, fixed).for_task(Task::Goals);
+        for message in own {
+            transcript.push(message.role, message.text);
+        }
+        let mut mentions = Mentions::of(world, instruction);
+        let mut words = plain_line(instruction);
+        for round in rounds {
+            mentions.add(world, Mentions::of(world, &round.message));
+            words = format!("{words} {}", plain_line(&round.message));
+        }
+        Self {
+            transcript,
+            world: world.clone(),
+            words,
+            mentions,
+            asks: true,
+            candidates: Vec::new(),
+            is_exhausted: shown.exhausted,
+        }
+    }
+
+    /// Returns the part of the world that the model is shown.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Returns true if showing the scene took too much work. No reply is usable then.
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.is_exhausted
+    }
+
+    /// Returns the token counts by part: `task`, `examples`, `query`, and `frame` for the chat template around the messages.
+    pub fn costs(&self, counter: &mut dyn TokenCounter) -> Vec<PartCost> {
+        let messages = self.transcript.messages();
+        let fixed = self.transcript.fixed();
+        let parts = [
+            ("task", &messages[..1]),
+            ("examples", &messages[1..fixed]),
+            ("query", &messages[fixed..]),
+        ];
+        let mut costs = Vec::new();
+        for (name, messages) in parts {
+            let tokens = messages.iter().map(|message| counter.message_tokens(message)).sum();
+            costs.push(PartCost { name, tokens });
+        }
+        costs.push(PartCost {
+            name: "frame",
+            tokens: counter.frame_tokens(),
+        });
+        costs
+    }
+
+    /// Reads the reply of a model under a grammar; none for one that asks, whose best goal is asked for next.
+    fn read_under_grammar(&mut self, reply: &Reply) -> Result<Option<Interpretation>, DialogueError> {
+        let text = self.transcript.answer().trim().to_owned();
+        let likelihood = reply.likelihood.map(|own| own.text);
+        self.candidates.push(Candidate::new(text.clone(), likelihood));
+        self.world.add_values(&text);
+        let read = answer::read(&self.world, &text)?;
+        let has_asked = !self.asks;
+        if read.goal.is_none() && self.asks && answer::can_say_goals(&self.world) {
+            self.asks = false;
+            self.transcript.clear_answer();
+            return Ok(None);
+        }
+        let profile = match reply.likelihood {
+            None => Profile::BELIEVED,
+            Some(own) if own.is_trained => Profile::TRAINED,
+            Some(_) => Profile::UNTRAINED,
+        };
+        let decision = profile.decide(has_asked || read.goal.is_none(), likelihood.filter(|_| read.goal.is_some()));
+        Ok(Some(self.interpreted(read, profile, decision, String::new())))
+    }
+
+    /// Reads the reply of a server.
+    fn read_object(&mut self, text: &str) -> Result<Interpretation, DialogueError> {
+        let written: Written = object(text)?;
+        let asked = written.question.trim();
+        if written.goal.trim().is_empty() {
+            if asked.is_empty() {
+                return Err(DialogueError::Unreadable("it has neither a goal nor a question".to_owned()));
+            }
+            self.candidates.push(Candidate::new(asked.to_owned(), None));
+            return Ok(self.interpreted(Answer::default(), Profile::BELIEVED, Decision::Ask, asked.to_owned()));
+        }
+        self.world.add_values(&written.goal);
+        let mut read = answer::read(&self.world, &written.goal)?;
+        read.left_out.extend(written.left_out.into_iter().map(|part| LeftOut {
+            text: part.text,
+            // A kind that is none of ours may be anything.
+            kind: Gap::named(part.kind.trim()).unwrap_or(Gap::Wish),
+        }));
+        self.candidates.push(Candidate::new(written.goal.trim().to_owned(), None));
+        let decision = Profile::BELIEVED.decide(!asked.is_empty(), None);
+        Ok(self.interpreted(read, Profile::BELIEVED, decision, asked.to_owned()))
+    }
+
+    fn interpreted(&mut self, read: Answer, profile: Profile, decision: Decision, asked: String) -> Interpretation {
+        if let Some(last) = self.candidates.last_mut() {
+            last.chosen = true;
+        }
+        let Answer { goal, left_out } = read;
+        let (goal, question) = match decision {
+            Decision::Act | Decision::ActInsteadOfAsking => (goal, None),
+            Decision::Ask if !asked.is_empty() => (goal, Some(asked)),
+            Decision::Ask | Decision::AskForUnlikely => {
+                let question = Question::about(&self.world, &self.mentions, goal);
+                (question.goal, Some(question.text))
+            }
+        };
+        Interpretation {
+            goal,
+            left_out,
+            question,
+            reading: Reading {
+                words: self.words.clone(),
+                candidates: std::mem::take(&mut self.candidates),
+                profile: profile.name.to_owned(),
+                decision,
+                least: profile.limit(decision),
+            },
+        }
+    }
+
+    fn schema() -> Value {
+        let text = || json!({"type": "string"});
+        let kinds = json!({"type": "string", "enum": Gap::ALL.map(Gap::name)});
+        let part = closed(&[("text", text()), ("kind", kinds)]);
+        closed(&[
+            ("goal", text()),
+            ("left_out", json!({"type": "array", "items": part})),
+            ("question", text()),
+        ])
+    }
+}
+
+impl Dialogue for Understanding {
+    type Output = Interpretation;
+
+    fn request(&self) -> ChatRequest {
+        match self.transcript.kind {
+            ConstraintKind::Grammar => {
+                let form = answer::form(&self.world, &self.words, self.asks);
+                self.transcript.under_grammar(form.grammar(), GRAMMAR_TOKENS)
+            }
+            ConstraintKind::JsonSchema => self.transcript.under_schema(Self::schema(), ANSWER_TOKENS),
+        }
+    }
+
+    /// Interprets the reply to the last request.
+    ///
+    /// # Errors
+    ///
+    /// The reply is cut off or refused, or no goal in this world.
+    fn supply(&mut self, reply: &Reply) -> Result<Option<Interpretation>, DialogueError> {
+        if self.is_exhausted {
+            return Err(DialogueError::TooMuchWork);
+        }
+        self.transcript.receive(reply)?;
+        match self.transcript.kind {
+            ConstraintKind::Grammar => self.read_under_grammar(reply),
+            ConstraintKind::JsonSchema => {
+                let read = self.read_object(&reply.text);
+                self.transcript.read_or_repeat(reply, read)
+            }
+        }
+    }
+
+    fn transcript(&self) -> &Transcript {
+        &self.transcript
+    }
+}
