@@ -3,7 +3,7 @@
 use anyhow::Result;
 use longstep::dialogue::{self, Prepared};
 use longstep::report::{Answer, Status};
-use longstep::session::{Failure as NoPlan, Response, Session, Settings};
+use longstep::session::{Failure as NoPlan, Response, Session};
 use longstep_llm::advance;
 
 use crate::arguments::{PlanArguments, domain_or_default};

@@ -307,7 +307,12 @@ fn fixed(request: &ChatRequest) -> Vec<Value> {
 fn object(suite: &Suite, domain: &Domain, case: &Case) -> Option<Value> {
     let [step] = &case.steps[..] else { return None };
     let judged = suite.judged_world(case);
-    let tagged = |name: &'static str| case.tags.iter().filter_map(move |tag| tag.strip_prefix(name)).map(str::trim);
+    let tagged = |name: &'static str| {
+        case.tags
+            .iter()
+            .filter_map(move |tag| tag.strip_prefix(name))
+            .map(str::trim)
+    };
     let mut answer = match (tagged("meaning:").next(), &step.expected) {
         (Some(meaning), _) => Some(match goal::parse(&judged, meaning) {
             Ok(goal) => goal.text(&judged),

@@ -18,9 +18,9 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use longstep::dialogue::{Dialogue, GoalDialogue, GoalInput};
+use longstep::dialogue::Dialogue;
 use longstep::domain::{self, Domain};
-use longstep::goal::Understanding;
+use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::environment::{self, Environment, World, differences};
 use longstep_core::json::Path;
 use longstep_core::search::{self, Limits, Outcome};
@@ -48,9 +48,14 @@ struct Made {
 
 fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: &str) -> Made {
     let started = Instant::now();
-    let mut dialogue = GoalDialogue::new(GoalInput::new(domain, world, instruction, model.constraint_kind()));
-    let understanding = match converse(model, &mut dialogue, &mut |_: Progress| {}) {
-        Ok(understanding) => Some(understanding),
+    let mut dialogue = Understanding::new(UnderstandingInput::new(
+        domain,
+        world,
+        instruction,
+        model.constraint_kind(),
+    ));
+    let meant = match converse(model, &mut dialogue, &mut |_: Progress| {}) {
+        Ok(meant) => meant.goal.filter(|_| meant.question.is_none()),
         Err(error) => {
             println!("    {error}");
             None
@@ -62,7 +67,7 @@ fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: 
         model_time: started.elapsed(),
         search_time: Duration::ZERO,
     };
-    if let Some(Understanding::Goal(goal)) = understanding {
+    if let Some(goal) = meant {
         let started = Instant::now();
         let outcome = search::solve(world, &goal.purpose(world), &Limits::default());
         made.search_time = started.elapsed();

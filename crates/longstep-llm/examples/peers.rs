@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use longstep::domain::{self, Domain, Files};
-use longstep::goal::{self, Goal, GoalFact, Mentions};
+use longstep::goal::{self, Goal, GoalFact};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json;
 use longstep_core::pddl::{self, Problem};
@@ -317,7 +317,7 @@ fn goals(domain: &Domain, world: &World) -> Vec<Goal> {
         word,
         arguments: arguments.clone(),
     };
-    let offers = goal::offers(world, &[], &Mentions::default());
+    let offers = goal::offers(world);
     let mut facts = Vec::new();
     for offer in &offers {
         let all = &offer.arguments;

@@ -119,7 +119,7 @@ fn an_adapter_changes_how_goals_are_written_and_nothing_else() {
     let mut adapted = load(AdapterChoice::Files(vec![path.clone()]), folder.path()).unwrap();
     let alone = ask(&mut *plain, Task::Goals);
     // Each model goes from one task to the other and back, with the states that the disk has.
-    let tasks = [Task::Other, Task::Goals, Task::Goals, Task::Screening, Task::Goals];
+    let tasks = [Task::Other, Task::Goals, Task::Goals, Task::Description, Task::Goals];
     let likelihoods = tasks.map(|task| ask(&mut *adapted, task).likelihood);
     assert_eq!(likelihoods[0], alone.likelihood);
     assert_ne!(likelihoods[1], alone.likelihood);

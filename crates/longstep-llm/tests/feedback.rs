@@ -7,10 +7,11 @@
 
 use std::path::{Path, PathBuf};
 
-use longstep::dialogue::{ConditionMark, Dialogue, GoalDialogue, GoalInput, Round};
+use longstep::dialogue::{Dialogue, Round};
 use longstep::domain::Domain;
 use longstep::feedback::{self, Amended, FeedbackDialogue, FeedbackInput, StepWish, Wish, amend};
-use longstep::goal::{self, Understanding};
+use longstep::goal;
+use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::environment::{self, Claim, Environment, World};
 use longstep_core::json;
 use longstep_core::plan::{Plan, PlanFile, TaskCohesion, resolve};
@@ -165,33 +166,19 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
             right &= case["outcome"].as_str().is_none_or(|expected| expected == outcome);
             (right, told)
         }
-        Some(wish @ (Wish::Goal | Wish::Further)) if accepted.contains(&"goal") => {
+        Some(Wish::Goal | Wish::Further) if accepted.contains(&"goal") => {
             let rounds = [Round {
                 reply: text("goal").to_owned(),
                 message: text("says").to_owned(),
             }];
-            // As in a session, what is wanted beside an instruction is understood together with it.
-            let both = format!(
-                "{}. {}",
-                text("instruction").trim_end_matches(['.', '。']),
-                text("says")
-            );
-            let (instruction, rounds) = match wish {
-                Wish::Further => (both.as_str(), &rounds[..0]),
-                _ => (text("instruction"), &rounds[..]),
-            };
-            let mut dialogue = GoalDialogue::new(GoalInput {
-                domain: &domain,
-                world: &world,
-                instruction,
-                rounds,
-                condition: ConditionMark::Unknown,
-                kind: model.constraint_kind(),
+            let mut dialogue = Understanding::new(UnderstandingInput {
+                rounds: &rounds,
+                ..UnderstandingInput::new(&domain, &world, text("instruction"), model.constraint_kind())
             });
             let understood = converse(model, &mut dialogue, &mut |_: Progress| {});
             told = format!("{told} -> {}", dialogue.transcript().answer());
             let expected = goal::parse(&world, text("then")).unwrap();
-            let right = matches!(&understood, Ok(Understanding::Goal(goal)) if *goal == expected);
+            let right = understood.is_ok_and(|meant| meant.question.is_none() && meant.goal == Some(expected));
             (right, told)
         }
         _ => (false, told),

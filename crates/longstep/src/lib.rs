@@ -89,5 +89,5 @@ pub mod perception;
 mod reading;
 pub mod report;
 pub mod session;
-mod usage;
 pub mod understanding;
+mod usage;

@@ -85,6 +85,7 @@ impl Reading {
             Decision::ActInsteadOfAsking => format!("acted on, although the model asks: it is not less likely{than}"),
             Decision::AskForUnlikely => format!("a question: it is less likely{than}"),
             Decision::Ask => "a question: the model asks".to_owned(),
+            Decision::AskWhich => "a question: several things fit the words".to_owned(),
         };
         lines.push(format!("  {why} ({})", self.profile));
         lines

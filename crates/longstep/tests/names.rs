@@ -1,7 +1,9 @@
 //! Names as people see them: shared names, given names, labels, scripts, the speaker, and types of an environment.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
-use longstep::goal::{Understanding, parse, understand};
+use longstep::dialogue::{ConstraintKind, Dialogue, Reply};
+use longstep::goal::parse;
+use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::domain::{self, Domain, Files};
 use longstep_core::environment::{self, Environment, Origin, World};
 use longstep_core::pddl::{object_names, write_problem};
@@ -134,12 +136,11 @@ fn an_identifier_without_brackets_names_its_entity() {
 fn check_instructions(environment: &str, rows: &[(&str, &str, &str)]) {
     let world = world(environment);
     for (instruction, goal, expected) in rows {
-        let goal = parse(&world, goal).unwrap();
-        let found = match understand(&world, instruction, goal) {
-            Understanding::Question(question) | Understanding::Which(question) => question,
-            Understanding::Doubtful(_) => unreachable!("it is asked"),
-            Understanding::Goal(goal) => goal.everyday(&world).join(" & "),
-        };
+        let domain = yard().into();
+        let input = UnderstandingInput::new(&domain, &world, instruction, ConstraintKind::JsonSchema);
+        let reply = Reply::complete(serde_json::json!({"goal": goal}).to_string());
+        let meant = Understanding::new(input).supply(&reply).unwrap().unwrap();
+        let found = meant.question.unwrap_or_else(|| meant.goal.unwrap().text(&world));
         assert_eq!(found, *expected, "{instruction}");
     }
 }

@@ -50,15 +50,15 @@ impl From<GoalFact> for Expansion {
 /// The error in the text.
 pub(super) fn part(world: &World, text: &str) -> Result<Expansion, GoalError> {
     let is_goal = !text.starts_with(NEVER) && !text.starts_with(ALWAYS) && !Constraint::is_untouched(text);
-    // `_` in a call of an action stands for any argument; in a goal it stands for any entity.
-    let anything;
-    let text = match is_goal || Constraint::read(world, text).is_ok() {
-        true => text,
-        false => {
-            anything = with_anything(text);
-            &anything
-        }
-    };
+    let read = expanded(world, text, is_goal);
+    // `_` in a call of an action stands for any argument. In a goal it stands for any entity.
+    match (read, with_anything(text)) {
+        (Err(error), anything) if !is_goal && anything != text => expanded(world, &anything, false).map_err(|_| error),
+        (read, _) => read,
+    }
+}
+
+fn expanded(world: &World, text: &str, is_goal: bool) -> Result<Expansion, GoalError> {
     let readings = readings(world, text);
     if readings.is_empty() {
         return Ok(match Constraint::read(world, text)? {

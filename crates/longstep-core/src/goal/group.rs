@@ -192,7 +192,8 @@ impl Group {
         }
         let all_of = |conditions: &str| -> Result<Vec<Selector>, GoalError> {
             let all = conditions.split('&');
-            all.map(|condition| Selector::read(world, text, condition.trim())).collect()
+            all.map(|condition| Selector::read(world, text, condition.trim()))
+                .collect()
         };
         let conditions = conditions.map_or(Ok(Vec::new()), |any| {
             any.split(OR).map(all_of).collect::<Result<Vec<_>, GoalError>>()
@@ -300,7 +301,8 @@ impl Group {
         };
         // One list of conditions gives adjectives; of several, each is a sentence.
         let is_adjective = |own: &&Selector| own.holds && own.arguments.is_empty() && self.conditions.len() == 1;
-        let (before, after): (Vec<&Selector>, Vec<&Selector>) = self.conditions.iter().flatten().partition(is_adjective);
+        let (before, after): (Vec<&Selector>, Vec<&Selector>) =
+            self.conditions.iter().flatten().partition(is_adjective);
         let before = before.into_iter().map(|own| own.word.to_lowercase().replace('_', " "));
         let noun: Vec<String> = before.chain([kind]).collect();
         let noun = noun.join(" ");

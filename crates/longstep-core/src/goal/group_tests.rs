@@ -83,6 +83,25 @@ fn a_group_stands_for_its_members() {
         ("never opened(all fridge)", "never opened(fridge)"),
         ("never put(2 of glass, sink)", "never put(2 of glass, sink)"),
         ("always put(any glass, shelf)", "always put(any glass, shelf)"),
+        ("put(all but 1 of plate, sink)", "put(all but 1 of plate, sink)"),
+        ("put(any of (vase, glass), sink)", "put(any of (glass, vase), sink)"),
+        (
+            "put(2 of (vase, plate 1, plate 2), any of (sink, shelf))",
+            "put(2 of (plate 1, plate 2, vase), any of (shelf, sink))",
+        ),
+        ("put(all of (vase, glass), sink)", "put(glass, sink) & put(vase, sink)"),
+        (
+            "put(all plate where on_something(shelf) or on_something(sink), sink)",
+            "put(plate 3, sink)",
+        ),
+        (
+            "put(any thing where on_something(shelf) & not on_something(table) or on_something(sink), table)",
+            "put(any thing where on_something(shelf) & not on_something(table) or on_something(sink), table)",
+        ),
+        (
+            "never put(glass, _)",
+            "never put(glass, table) & never put(glass, shelf) & never put(glass, sink) & never put(glass, fridge)",
+        ),
     ] {
         let goal = match parse(&world, text) {
             Ok(goal) => goal,
@@ -136,6 +155,8 @@ fn a_group_that_stands_for_nothing_is_an_error() {
             "plate 1 is excepted",
         ),
         ("put(all plate except spoon, sink)", "`spoon` in"),
+        ("put(any of (vase, spoon), sink)", "`spoon` in"),
+        ("put(all but 3 of plate, sink)", "requires 0 members"),
         ("put(4 of plate, sink)", "requires 4 members, and the group has 3"),
         ("put(0 of plate, sink)", "requires 0 members"),
         ("put(all table, sink)", "is no item"),

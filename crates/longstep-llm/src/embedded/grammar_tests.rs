@@ -1,10 +1,11 @@
-//! Every offered goal can be written under the grammar of its request, and no other text can.
+//! What can be asked for in a world can be written under the grammar of its request, and what can be written is read.
 
 use llguidance::earley::SlicedBiasComputer;
 use llguidance::{Matcher, ParserFactory};
-use longstep::dialogue::{Constraint, ConstraintKind, Dialogue, GoalDialogue, GoalInput};
+use longstep::dialogue::{Constraint, ConstraintKind, Dialogue};
 use longstep::domain::{self, Domain};
-use longstep::goal::{GoalFact, Mentions, offers};
+use longstep::goal::{GoalError, GoalFact, offers, parse};
+use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep::{Planner, World};
 use proptest::prelude::*;
 use toktrie::{ApproximateTokEnv, InferenceCapabilities, TokEnv, TokenId};
@@ -33,18 +34,48 @@ fn byte_tokens(text: &str) -> Vec<TokenId> {
 
 /// The grammar of the first request about a world, and its matcher.
 fn first_request(grammars: &Grammars, domain: &Domain, world: &World) -> (String, Matcher) {
-    let input = GoalInput::new(domain, world, "?", ConstraintKind::Grammar);
-    let Constraint::Lark(text) = GoalDialogue::new(input).request().constraint else {
+    let input = UnderstandingInput::new(domain, world, SAID, ConstraintKind::Grammar);
+    let Constraint::Lark(text) = Understanding::new(input).request().constraint else {
         panic!("no grammar");
     };
     let matcher = grammars.matcher(&Constraint::Lark(text.clone())).unwrap().unwrap();
     (text, matcher)
 }
 
-/// Compares what the first request about a world accepts with what is offered.
+/// What was said.
+const SAID: &str = "Do it by noon";
+
+/// Compares what the first request about a world accepts with what is read.
 fn check_world(grammars: &Grammars, domain: &Domain, world: &World, tokens: &dyn Fn(&str) -> Vec<TokenId>) {
     let (text, matcher) = first_request(grammars, domain, world);
-    let offers = offers(world, &[], &Mentions::default());
+    let mut texts = offered(world);
+    texts.extend(composed(world, &texts));
+    for said in &texts {
+        assert!(
+            accepts(&matcher, &tokens(said)),
+            "{said} cannot be written under\n{text}"
+        );
+        // What differs in one character cannot be written, or can be read. The members of a group are looked for later.
+        let places: Vec<usize> = said.char_indices().map(|(at, _)| at).collect();
+        for at in places.iter().step_by(3) {
+            let mut other = said.clone();
+            other.remove(*at);
+            let goal = other.split(" | left out").next().unwrap();
+            let is_read = match parse(world, goal) {
+                Ok(_) => true,
+                Err(error) => matches!(
+                    error,
+                    GoalError::NoMember { .. } | GoalError::TooFewMembers { .. } | GoalError::NeverHolds { .. }
+                ),
+            };
+            assert!(is_read || !accepts(&matcher, &tokens(&other)), "{other} under\n{text}");
+        }
+    }
+}
+
+/// The goals that are on offer.
+fn offered(world: &World) -> Vec<String> {
+    let offers = offers(world);
     let facts = offers.iter().flat_map(|offer| {
         let fact = |arguments: &Vec<_>| GoalFact::Word {
             word: offer.word,
@@ -52,21 +83,46 @@ fn check_world(grammars: &Grammars, domain: &Domain, world: &World, tokens: &dyn
         };
         offer.arguments.iter().map(fact)
     });
-    let texts: Vec<String> = facts.map(|fact| fact.everyday(world)).collect();
-    for said in &texts {
-        assert!(
-            accepts(&matcher, &tokens(said)),
-            "{said} cannot be written under\n{text}"
-        );
-        // What differs in one character is offered as well, or cannot be written.
-        let places: Vec<usize> = said.char_indices().map(|(at, _)| at).collect();
-        for at in places.iter().step_by(3) {
-            let mut other = said.clone();
-            other.remove(*at);
-            let is_offered = texts.contains(&other);
-            assert_eq!(accepts(&matcher, &tokens(&other)), is_offered, "{other} under\n{text}");
-        }
+    facts.map(|fact| fact.everyday(world)).collect()
+}
+
+/// Goals with stages, prohibitions, groups and words left out, as far as they are read in the world.
+fn composed(world: &World, offered: &[String]) -> Vec<String> {
+    let (Some(first), Some(last)) = (offered.first(), offered.last()) else {
+        return Vec::new();
+    };
+    let names: Vec<&str> = world.entities().map(|(_, entity)| entity.name.as_str()).collect();
+    let name = names
+        .iter()
+        .rev()
+        .find(|name| first.contains(**name))
+        .copied()
+        .unwrap_or_default();
+    let in_place = |group: &str| first.replacen(name, group, 1);
+    let mut texts = vec![
+        format!("{first} & {last}"),
+        format!("{first} then {last}"),
+        format!("{first} & never {last}"),
+        format!("never {first} & always {last}"),
+        format!("{first} & untouched({name})"),
+        format!("untouched({name})"),
+        format!("{first} | left out time: by noon"),
+        format!("{first} | left out time: by noon | left out manner: Do"),
+        in_place("all thing"),
+        in_place("any thing"),
+        in_place(&format!("all thing except {name}")),
+        format!("never {}", in_place("_")),
+        format!("never {}", in_place("any thing")),
+    ];
+    for other in names.iter().rev().filter(|other| **other != name).take(2) {
+        texts.push(in_place(&format!("any of ({name}, {other})")));
     }
+    texts.retain(|text| {
+        let goal = text.split(" | left out").next().unwrap();
+        // A name that looks like a part of the notation may make another goal of it.
+        parse(world, goal).is_ok_and(|goal| !goal.is_empty())
+    });
+    texts
 }
 
 /// Names that begin alike, contain each other, or look like a part of the notation.
@@ -167,30 +223,19 @@ fn every_offer_can_be_written() {
 }
 
 #[test]
-fn a_question_is_sentences_in_any_language() {
+fn a_question_has_no_words() {
     let domain = domain_with(&[]);
     let world = Planner::new(domain.clone()).world(&environment(&[0, 1, 5], 1)).unwrap();
     let grammars = bytes();
     let (_, matcher) = first_request(&grammars, &domain, &world);
     for (text, is_question) in [
-        ("Which mug do you mean?", true),
-        ("I cannot peel fruit. What else can I do?", true),
-        ("I cannot swim.", true),
-        ("Welche Tüte meinst du?", true),
-        ("泳げません。どうしますか？", true),
-        ("Какую чашку?", true),
-        ("I cannot", false),
-        ("Which?\nput(a, table)", false),
-        ("on(tv) & on(toaster)?", false),
+        ("question:", true),
+        ("question: Which?", false),
         ("", false),
         ("?", false),
     ] {
-        let accepted = accepts(&matcher, &byte_tokens(&format!("question: {text}")));
-        assert_eq!(accepted, is_question, "{text}");
+        assert_eq!(accepts(&matcher, &byte_tokens(text)), is_question, "{text}");
     }
-    let longest = format!("question: {}.", "a".repeat(121));
-    assert!(accepts(&matcher, &byte_tokens(&longest)));
-    assert!(!accepts(&matcher, &byte_tokens(&longest.replace('.', "a."))));
 }
 
 #[test]

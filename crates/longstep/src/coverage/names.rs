@@ -16,8 +16,6 @@ struct Mention {
     range: Range<usize>,
     /// The entities with this name.
     entities: Vec<EntityId>,
-    /// True if the name was found as words; otherwise as a part of a text without spaces.
-    as_words: bool,
 }
 
 /// The names of entities in an instruction: of overlapping ones, the longest.
@@ -35,20 +33,18 @@ impl Mentions {
         // A value comes from the text that mentions it; `literal` decides whether a goal has it.
         for (id, entity) in world.entities().filter(|(_, entity)| !entity.is_value) {
             for name in entity.called() {
-                let (ranges, as_words) = match name.contains(|character| character >= WITHOUT_SPACES) {
-                    true => (occurrences(instruction, &name), false),
-                    false => (sequences(&words, &places, &name), true),
+                let ranges = match name.contains(|character| character >= WITHOUT_SPACES) {
+                    true => occurrences(instruction, &name),
+                    false => sequences(&words, &places, &name),
                 };
-                ranges
-                    .into_iter()
-                    .for_each(|range| enter(&mut found, range, id, as_words));
+                ranges.into_iter().for_each(|range| enter(&mut found, range, id));
             }
         }
         let identified = world.identifiers_in(instruction);
         // An identifier is no name of the entities that have its words.
         found.retain(|_, mention| identified.iter().all(|(place, _)| mention.range != *place));
         for (place, id) in identified {
-            enter(&mut found, place, id, true);
+            enter(&mut found, place, id);
         }
         let mut all: Vec<Mention> = found.into_values().collect();
         all.sort_by_key(|mention| (std::cmp::Reverse(mention.range.len()), mention.range.start));
@@ -81,11 +77,10 @@ impl Mentions {
 }
 
 /// Records that a range names an entity.
-fn enter(found: &mut FxHashMap<(usize, usize), Mention>, range: Range<usize>, id: EntityId, as_words: bool) {
+fn enter(found: &mut FxHashMap<(usize, usize), Mention>, range: Range<usize>, id: EntityId) {
     let mention = found.entry((range.start, range.end)).or_insert_with(|| Mention {
         range,
         entities: Vec::new(),
-        as_words,
     });
     if !mention.entities.contains(&id) {
         mention.entities.push(id);

@@ -11,7 +11,9 @@ pub fn scene(world: &World) -> String {
     let domain = world.domain();
     let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
     let goals = domain.goal_words.iter().flat_map(|word| goal::sayable(world, word));
-    let sensed = goal::conditions(world).into_iter().flat_map(|own| domain.arguments(own.fact).collect::<Vec<_>>());
+    let sensed = goal::conditions(world)
+        .into_iter()
+        .flat_map(|own| domain.arguments(own.fact).collect::<Vec<_>>());
     let mut shown: FxHashSet<EntityId> = goals.flatten().chain(sensed).collect();
     shown.extend(world.entities().map(|(id, _)| id).filter(|id| is_object(*id)));
     let (objects, places) = scene_lists(world, &shown);

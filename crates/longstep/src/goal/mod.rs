@@ -18,8 +18,8 @@ pub use longstep_core::goal::*;
 
 pub(crate) use dependence::{Dependence, conditions};
 pub use mentions::Mentions;
-pub use offer::{Offer, offers};
 pub(crate) use offer::sayable;
+pub use offer::{Offer, offers};
 
-pub use pronoun::{SpelledOut, spelled_out};
 pub(crate) use ambiguous::which;
+pub use pronoun::{SpelledOut, spelled_out};

@@ -1,10 +1,10 @@
-//! Offered goals and understood goals for instructions, as tables.
+//! Goals, and references that several things fit, as tables.
 
 use super::*;
 use crate::domain;
 use crate::domain::Domain;
+use crate::environment::World;
 use crate::environment::{self, Environment};
-use crate::environment::{EntityId, World};
 use crate::json::Path;
 
 fn world(domain: &Domain, text: &str) -> World {
@@ -25,107 +25,16 @@ fn flat() -> (Domain, World) {
     (domain, world)
 }
 
-/// Compares the arguments that `put` is offered with after the goals of `said`.
-#[track_caller]
-fn check_put(instruction: &str, said: &str, expected: &[&str]) {
-    let (domain, world) = flat();
-    let said = if said.is_empty() {
-        Goal::default()
-    } else {
-        parse(&world, said).unwrap()
-    };
-    let offers = offers(&world, &said.facts, &Mentions::of(&world, instruction));
-    let mut texts = Vec::new();
-    for offer in offers.iter().filter(|offer| domain.goal_word(offer.word).word == "put") {
-        for arguments in &offer.arguments {
-            let fact = GoalFact::Word {
-                word: offer.word,
-                arguments: arguments.clone(),
-            };
-            texts.push(fact.everyday(&world));
-        }
-    }
-    assert_eq!(texts, expected, "{instruction}");
-}
-
-#[test]
-fn names_narrow_what_is_offered() {
-    check_put("Put the pillow on the shelf", "", &["put(pillow, shelf)"]);
-    check_put("Put the apple on the sofa", "", &["put(apple, sofa)"]);
-    // The current place of an object only identifies it.
-    check_put("Take the apple from the desk to the shelf", "", &["put(apple, shelf)"]);
-    check_put("Put the pillow on the tray on the desk", "", &["put(pillow, tray)"]);
-    // Names are names in a sentence of any language.
-    check_put("Stell den apple bitte aufs sofa", "", &["put(apple, sofa)"]);
-}
-
-#[test]
-fn a_further_goal_is_about_another_named_entity() {
-    check_put("Put the pillow on the shelf", "put(pillow, shelf)", &[]);
-    check_put(
-        "Put the pillow and the apple on the shelf",
-        "put(pillow, shelf)",
-        &["put(apple, shelf)"],
-    );
-    // If the first goal is about something that is not named, names decide nothing about the next one.
-    let after = "put(tray, sofa)";
-    check_put("Put the pillow on the shelf", after, &["put(pillow, shelf)"]);
-}
-
-/// Returns the goal that is understood, or the question.
+/// Returns the question which one is meant, or the goal.
 fn understood(world: &World, instruction: &str, goal: &str) -> String {
     let goal = parse(world, goal).unwrap();
-    match understand(world, instruction, goal) {
-        Understanding::Question(question) | Understanding::Which(question) => question,
-        Understanding::Doubtful(_) => unreachable!("it is asked"),
-        Understanding::Goal(goal) => {
-            let facts: Vec<_> = goal.facts.iter().map(|fact| fact.everyday(world)).collect();
-            facts.join(" & ")
-        }
-    }
+    which(world, &Mentions::of(world, instruction), &goal).unwrap_or_else(|| goal.everyday(world).join(" & "))
 }
 
 #[track_caller]
 fn check_understood(instruction: &str, goal: &str, expected: &str) {
     let (_, world) = flat();
     assert_eq!(understood(&world, instruction, goal), expected, "{instruction}");
-}
-
-#[test]
-fn a_goal_about_what_is_not_named_is_a_question() {
-    let apple = "put(apple, sofa)";
-    check_understood("Put the apple on the sofa", apple, apple);
-    check_understood(
-        "Put the apple on the sofa",
-        "put(apple, sofa) & put(pillow, desk)",
-        "I am not sure what you want. Do you mean: the apple is at the sofa; the pillow is at the desk?",
-    );
-    check_understood(
-        "Put the milk on the shelf",
-        "put(apple, shelf)",
-        "I am not sure what you want. Do you mean: the apple is at the shelf?",
-    );
-    // Without any name nothing is known: the words may be in another language.
-    check_understood("It is dark in here", "on(lamp)", "on(lamp)");
-    check_understood("Il fait sombre ici", "on(lamp)", "on(lamp)");
-}
-
-#[test]
-fn groups_are_understood_as_a_whole() {
-    let mugs = "put(mug 1, sofa) & put(mug 2, sofa) & put(mug 3, sofa)";
-    check_understood("Put all the mugs on the sofa", "put(all mug, sofa)", mugs);
-    check_understood("Put any mug on the sofa", "put(any mug, sofa)", "put(any mug, sofa)");
-    // A type is no name in an instruction.
-    check_understood(
-        "Put everything on the desk on the sofa except the tray",
-        "put(all thing where ON(desk) except tray, sofa)",
-        "put(mug 1, sofa)",
-    );
-    check_understood(
-        "Put the apple on the sofa",
-        "put(all mug, sofa)",
-        "I am not sure what you want. Do you mean: mug 1 is at the sofa; mug 2 is at the sofa; mug 3 is at the sofa?",
-    );
 }
 
 #[test]
@@ -154,43 +63,6 @@ fn goals_are_read_and_written() {
         ),
     ] {
         assert_eq!(parse(&world, text).unwrap_err().to_string(), error);
-    }
-}
-
-#[test]
-fn later_words_name_other_entities() {
-    let (_, world) = flat();
-    for (answer, words, named, rejected) in [
-        ("put(mug 1, sofa)", "Not that one, mug 3", "sofa, mug 3", 1),
-        (
-            "put(mug 1, sofa)",
-            "Lieber aufs desk",
-            "desk, sofa, mug 1, mug 2, mug 3",
-            1,
-        ),
-        (
-            "question: Which mug do you mean?",
-            "The one on the shelf",
-            "shelf, sofa, mug 1, mug 2, mug 3",
-            0,
-        ),
-        // What a question names is what "yes" is about.
-        (
-            "question: Do you mean the apple?",
-            "Oui",
-            "sofa, mug 1, mug 2, mug 3, apple",
-            0,
-        ),
-    ] {
-        let mut correction = Correction::of(&world, "Put the mug on the sofa");
-        correction.hear(&world, answer, words);
-        let entities = correction.mentions.entities.iter();
-        let names: Vec<_> = entities.map(|entity| world.entity(*entity).name.clone()).collect();
-        assert_eq!(
-            (names.join(", ").as_str(), correction.rejected.len()),
-            (named, rejected),
-            "{words}"
-        );
     }
 }
 
@@ -273,62 +145,6 @@ fn a_long_name_may_be_said_with_articles() {
     ] {
         assert_eq!(understood(&world, instruction, goal), expected, "{instruction}");
     }
-}
-
-/// Returns all offers after the goals of `said` in a small household kitchen.
-fn offered_in_kitchen(domain: &Domain, instruction: &str, said: &str) -> Vec<String> {
-    let text = r#"{"assets": ["<table>", "<fridge>", "<dusty_shelf>"],
-        "objects": ["<milk>", "<brush>", "<fridge_handle>"],
-        "object_states": {"<milk>": "inside_something(<fridge>)", "<brush>": "on_something(<table>)",
-            "<fridge_handle>": "closed()"}}"#;
-    let world = world(domain, text);
-    let said = match said {
-        "" => Goal::default(),
-        said => parse(&world, said).unwrap(),
-    };
-    let offers = offers(&world, &said.facts, &Mentions::of(&world, instruction));
-    let texts = offers.iter().flat_map(|offer| {
-        let fact = |arguments: &Vec<EntityId>| {
-            let (word, arguments) = (offer.word, arguments.clone());
-            GoalFact::Word { word, arguments }.everyday(&world)
-        };
-        offer.arguments.iter().map(fact).collect::<Vec<_>>()
-    });
-    texts.collect()
-}
-
-#[test]
-fn a_tool_may_lie_where_it_is_used() {
-    let household = domain::shipped("household").unwrap().unwrap();
-    let text = r#"{"assets": ["<table>", "<shelf>", "<bin>"], "objects": ["<cereal>", "<cloth>"],
-        "object_states": {"<cereal>": "on_something(<shelf>)", "<cloth>": "on_something(<table>)"}}"#;
-    let world = world(&household, text);
-    let mentions = Mentions::of(&world, "Put the cereal in the bin and wipe the table with the cloth");
-    let said = parse(&world, "put(cereal, bin)").unwrap();
-    let wiped = parse(&world, "wiped(table, cloth)").unwrap();
-    let GoalFact::Word { word, arguments } = &wiped.facts[0] else {
-        panic!()
-    };
-    let offers = offers(&world, &said.facts, &mentions);
-    let offer = offers.iter().find(|offer| offer.word == *word).unwrap();
-    assert!(offer.arguments.contains(arguments), "{offer:?}");
-}
-
-#[test]
-fn what_a_plan_would_undo_can_be_asked_for_again() {
-    let instruction = "Take the milk out, put it on the table and close the fridge again";
-    let mut files = domain::shipped_files("household").unwrap();
-    files.words = files.words.replace("holds = \"tidy\"", "holds = \"start\"");
-    let untidy = domain::load(&files).unwrap();
-    let offered = |domain: &Domain, instruction, said| offered_in_kitchen(domain, instruction, said).join(" ");
-    let closed = "closed(fridge)";
-    assert!(offered(&untidy, instruction, "put(milk, table)").contains(closed));
-    // Plans of the shipped domain close it in any case, and it can still be said.
-    let household = domain::shipped("household").unwrap().unwrap();
-    assert!(offered(&household, instruction, "put(milk, table)").contains(closed));
-    // No action opens it.
-    let brush = "Put the brush on the shelf and leave the fridge closed";
-    assert!(!offered(&household, brush, "put(brush, dusty shelf)").contains(closed));
 }
 
 #[test]

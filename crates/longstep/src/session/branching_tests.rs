@@ -1,6 +1,5 @@
 //! Sessions with plans that have several endings.
 
-use super::retold_tests::{end, likely};
 use super::tests::{goals, reply};
 use super::{Entry, Event, Log, ModelFacts, Response, Session, Settings};
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
@@ -16,16 +15,12 @@ fn checks() -> Domain {
 }
 
 fn session() -> Session {
-    session_with(ConstraintKind::JsonSchema)
-}
-
-fn session_with(kind: ConstraintKind) -> Session {
     let domain = checks();
     let environment = Environment::from_json(LARDER).unwrap();
     let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
     let model = ModelFacts {
         name: "script".to_owned(),
-        kind,
+        kind: ConstraintKind::JsonSchema,
         context: None,
     };
     Session::new("household-checks", domain, world, Settings::default(), model, || 0.0)
@@ -46,41 +41,6 @@ fn log(events: &[Event]) -> Log {
 fn where_is_the_cheese(session: &Session) -> Vec<String> {
     let states = &session.world().environment().object_states["<cheese>"];
     states.as_slice().to_vec()
-}
-
-#[test]
-fn other_words_for_an_instruction_may_not_lose_its_condition() {
-    const GOAL: &str = "if expired(cheese) then put(cheese, trash bin)";
-    const OTHER: &str = "if expired(cheese) then put(cheese, shelf)";
-    for (of_retelling, expected) in [
-        (GOAL, "if expired(<cheese>) then put(<cheese>, <trash_bin>)"),
-        (
-            "put(cheese, trash bin)",
-            "I am not sure what you want. Do you mean: if the cheese is past its date, the cheese is at the trash bin?",
-        ),
-    ] {
-        let mut session = session_with(ConstraintKind::Grammar);
-        session.instruct("Cheese gone? Bin.").unwrap();
-        for (text, likelihood) in [
-            ("wish", -100),
-            (GOAL, -2500),
-            (GOAL, -2500),
-            (OTHER, -9000),
-            (OTHER, -9000),
-            (OTHER, -9000),
-            ("Put the cheese in the trash bin if it has expired.", -1000),
-            ("wish", -100),
-            (of_retelling, -100),
-        ] {
-            assert!(
-                matches!(session.next_request(&mut EstimatedTokens::default()), Ok(Some(_))),
-                "{text}"
-            );
-            session.supply(&likely(text, likelihood, true), 1.0).unwrap();
-        }
-        assert!(!session.wants_model());
-        assert_eq!(end(&session), expected);
-    }
 }
 
 #[test]

@@ -43,12 +43,7 @@ impl Session {
         })
     }
 
-    fn meaning_input<'a>(
-        &'a self,
-        turn: &'a Turn,
-        world: &'a World,
-        instruction: &'a str,
-    ) -> UnderstandingInput<'a> {
+    fn meaning_input<'a>(&'a self, turn: &'a Turn, world: &'a World, instruction: &'a str) -> UnderstandingInput<'a> {
         UnderstandingInput {
             rounds: &turn.rounds,
             ..UnderstandingInput::new(&self.domain, world, instruction, self.model.kind)
@@ -93,12 +88,7 @@ impl Session {
         }
     }
 
-    pub(super) fn meaning_reply(
-        &mut self,
-        mut turn: Turn,
-        begun: Option<Box<FittedUnderstanding>>,
-        reply: &Reply,
-    ) {
+    pub(super) fn meaning_reply(&mut self, mut turn: Turn, begun: Option<Box<FittedUnderstanding>>, reply: &Reply) {
         let mut fitted = begun.unwrap_or_else(|| Box::new(self.begun(&turn, None)));
         match fitted.dialogue.supply(reply) {
             Ok(None) => self.stage = Stage::Asking(turn, Asking::new(What::Meaning(Some(fitted)))),
@@ -122,7 +112,11 @@ impl Session {
 
     /// Goes on with what was meant: to a plan, or to a question.
     fn meant(&mut self, turn: Turn, meant: Interpretation) {
-        let is_same = |goal: &Goal| turn.proposal.as_ref().is_some_and(|own| own.goal.as_ref() == Some(goal));
+        let is_same = |goal: &Goal| {
+            turn.proposal
+                .as_ref()
+                .is_some_and(|own| own.goal.as_ref() == Some(goal))
+        };
         let refused = match (&meant.goal, &meant.question) {
             _ if turn.rereading.is_none() => None,
             (_, Some(question)) => Some(Refusal::OpenQuestion(question.clone())),

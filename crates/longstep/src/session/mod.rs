@@ -43,10 +43,10 @@ mod coverage_tests;
 mod direct;
 mod ended;
 mod event;
-mod meaning;
 #[cfg(test)]
 mod injected;
 mod log;
+mod meaning;
 mod observed;
 #[cfg(test)]
 mod observed_tests;

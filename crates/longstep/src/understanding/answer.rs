@@ -405,7 +405,10 @@ impl<'a> Parts<'a> {
     fn condition(&self, depends: &Dependence) -> String {
         let name = |entity: EntityId| self.world.entity(entity).name.clone();
         let not = if depends.negated { NOT } else { "" };
-        format!("{IF}{not}{}{THEN}", written_fact(self.world.domain(), depends.fact, &name))
+        format!(
+            "{IF}{not}{}{THEN}",
+            written_fact(self.world.domain(), depends.fact, &name)
+        )
     }
 }
 

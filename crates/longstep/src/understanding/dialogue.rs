@@ -6,13 +6,13 @@ use serde_json::{Value, json};
 use super::answer::{self, Answer, LeftOut};
 use super::interpretation::Interpretation;
 use super::profile::{Decision, Profile};
-use super::question::Question;
+use super::question::{Question, which};
 use super::request;
 use crate::coverage::Gap;
 use crate::dialogue::answer_grammar::closed;
 use crate::dialogue::{
-    Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, PartCost, Reading, Reply, Round, Task, TokenCounter,
-    Transcript, object, plain_line,
+    Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, PartCost, Reading, Reply, Round, Task,
+    TokenCounter, Transcript, object, plain_line,
 };
 use crate::effort;
 use crate::environment::World;
@@ -50,13 +50,13 @@ impl<'a> UnderstandingInput<'a> {
             instruction,
             rounds: &[],
             kind,
-            examples: Some(EXAMPLES),
+            examples: EXAMPLES,
         }
     }
 }
 
 /// The worked examples of a request: the first ones of the domain. The adapter was trained with any number of them.
-const EXAMPLES: usize = 0;
+const EXAMPLES: Option<usize> = None;
 
 /// Lets a model say what an instruction means. One request; a second one where a model under a grammar would ask: for the goal that it
 /// takes to be meant, which decides whether to ask, and what.
@@ -92,19 +92,55 @@ pub struct Understanding {
     is_exhausted: bool,
 }
 
-/// The answer of a server.
+/// The answer of a server. Models without an enforced schema also write a list of goals, and null for nothing.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 struct Written {
-    goal: String,
-    left_out: Vec<WrittenPart>,
-    question: String,
+    #[serde(alias = "goals")]
+    goal: Texts,
+    left_out: Option<Vec<WrittenPart>>,
+    question: Texts,
+}
+
+/// A text, the parts of one, or nothing.
+#[derive(Debug, Default, Deserialize)]
+#[serde(untagged)]
+enum Texts {
+    #[default]
+    None,
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Texts {
+    fn joined(self) -> String {
+        match self {
+            Self::None => String::new(),
+            Self::One(text) => text.trim().to_owned(),
+            Self::Several(texts) => texts.join(" & "),
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]
-struct WrittenPart {
-    text: String,
-    kind: String,
+#[serde(untagged)]
+enum WrittenPart {
+    Kind { text: String, kind: String },
+    Text(String),
+}
+
+impl From<WrittenPart> for LeftOut {
+    /// A kind that is none of ours may be anything.
+    fn from(part: WrittenPart) -> Self {
+        let (text, kind) = match part {
+            WrittenPart::Kind { text, kind } => (text, Gap::named(kind.trim())),
+            WrittenPart::Text(text) => (text, None),
+        };
+        Self {
+            text,
+            kind: kind.unwrap_or(Gap::Wish),
+        }
+    }
 }
 
 impl Understanding {
@@ -180,7 +216,20 @@ impl Understanding {
         let likelihood = reply.likelihood.map(|own| own.text);
         self.candidates.push(Candidate::new(text.clone(), likelihood));
         self.world.add_values(&text);
-        let read = answer::read(&self.world, &text)?;
+        let read = match answer::read(&self.world, &text) {
+            Ok(read) => read,
+            // A group without a member, or what can never hold: the grammar does not look that far.
+            Err(DialogueError::NoGoal(error)) => {
+                let asked = format!("I cannot do it like that: {error}. What should I do?");
+                return Ok(Some(self.interpreted(
+                    Answer::default(),
+                    Profile::BELIEVED,
+                    Decision::Ask,
+                    asked,
+                )));
+            }
+            Err(error) => return Err(error),
+        };
         let has_asked = !self.asks;
         if read.goal.is_none() && self.asks && answer::can_say_goals(&self.world) {
             self.asks = false;
@@ -192,31 +241,33 @@ impl Understanding {
             Some(own) if own.is_trained => Profile::TRAINED,
             Some(_) => Profile::UNTRAINED,
         };
-        let decision = profile.decide(has_asked || read.goal.is_none(), likelihood.filter(|_| read.goal.is_some()));
+        let decision = profile.decide(
+            has_asked || read.goal.is_none(),
+            likelihood.filter(|_| read.goal.is_some()),
+        );
         Ok(Some(self.interpreted(read, profile, decision, String::new())))
     }
 
     /// Reads the reply of a server.
     fn read_object(&mut self, text: &str) -> Result<Interpretation, DialogueError> {
         let written: Written = object(text)?;
-        let asked = written.question.trim();
-        if written.goal.trim().is_empty() {
+        let (goal, asked) = (written.goal.joined(), written.question.joined());
+        if goal.is_empty() {
             if asked.is_empty() {
-                return Err(DialogueError::Unreadable("it has neither a goal nor a question".to_owned()));
+                return Err(DialogueError::Unreadable(
+                    "it has neither a goal nor a question".to_owned(),
+                ));
             }
-            self.candidates.push(Candidate::new(asked.to_owned(), None));
-            return Ok(self.interpreted(Answer::default(), Profile::BELIEVED, Decision::Ask, asked.to_owned()));
+            self.candidates.push(Candidate::new(asked.clone(), None));
+            return Ok(self.interpreted(Answer::default(), Profile::BELIEVED, Decision::Ask, asked));
         }
-        self.world.add_values(&written.goal);
-        let mut read = answer::read(&self.world, &written.goal)?;
-        read.left_out.extend(written.left_out.into_iter().map(|part| LeftOut {
-            text: part.text,
-            // A kind that is none of ours may be anything.
-            kind: Gap::named(part.kind.trim()).unwrap_or(Gap::Wish),
-        }));
-        self.candidates.push(Candidate::new(written.goal.trim().to_owned(), None));
+        self.world.add_values(&goal);
+        let mut read = answer::read(&self.world, &goal)?;
+        let left_out = written.left_out.into_iter().flatten();
+        read.left_out.extend(left_out.map(LeftOut::from));
+        self.candidates.push(Candidate::new(goal, None));
         let decision = Profile::BELIEVED.decide(!asked.is_empty(), None);
-        Ok(self.interpreted(read, Profile::BELIEVED, decision, asked.to_owned()))
+        Ok(self.interpreted(read, Profile::BELIEVED, decision, asked))
     }
 
     fn interpreted(&mut self, read: Answer, profile: Profile, decision: Decision, asked: String) -> Interpretation {
@@ -224,7 +275,13 @@ impl Understanding {
             last.chosen = true;
         }
         let Answer { goal, left_out } = read;
+        let which = match &goal {
+            Some(goal) if profile.asks_which && decision.acts() => which(&self.world, &self.mentions, goal),
+            _ => None,
+        };
+        let decision = if which.is_some() { Decision::AskWhich } else { decision };
         let (goal, question) = match decision {
+            Decision::AskWhich => (None, which),
             Decision::Act | Decision::ActInsteadOfAsking => (goal, None),
             Decision::Ask if !asked.is_empty() => (goal, Some(asked)),
             Decision::Ask | Decision::AskForUnlikely => {

@@ -12,6 +12,8 @@ mod profile;
 mod question;
 mod request;
 mod sayable;
+#[cfg(test)]
+mod tests;
 
 pub use answer::LeftOut;
 pub use dialogue::{Understanding, UnderstandingInput};

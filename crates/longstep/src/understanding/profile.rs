@@ -13,6 +13,8 @@ pub struct Profile {
     pub goal: Option<i64>,
     /// The likelihood above which the best goal is acted on although the model would ask.
     pub instead_of_question: Option<i64>,
+    /// True if the person is asked which one is meant where the words name several things that the goal could be about.
+    pub asks_which: bool,
 }
 
 impl Profile {
@@ -21,18 +23,21 @@ impl Profile {
         name: "trained",
         goal: Some(-700),
         instead_of_question: Some(-700),
+        asks_which: false,
     };
     /// A model that gives likelihoods and was not trained: it is sure of little.
     pub const UNTRAINED: Self = Self {
         name: "untrained",
         goal: Some(-1500),
         instead_of_question: None,
+        asks_which: true,
     };
     /// A model without likelihoods, as servers have them. It is strong, or chosen by somebody who knows it: it is believed.
     pub const BELIEVED: Self = Self {
         name: "believed",
         goal: None,
         instead_of_question: None,
+        asks_which: false,
     };
 }
 
@@ -49,6 +54,15 @@ pub enum Decision {
     AskForUnlikely,
     /// The model asks.
     Ask,
+    /// Several things fit the words.
+    AskWhich,
+}
+
+impl Decision {
+    /// Returns true if the goal is acted on.
+    pub fn acts(self) -> bool {
+        matches!(self, Self::Act | Self::ActInsteadOfAsking)
+    }
 }
 
 impl Profile {
@@ -57,6 +71,7 @@ impl Profile {
         match decision {
             Decision::Act | Decision::AskForUnlikely => self.goal,
             Decision::ActInsteadOfAsking | Decision::Ask => self.instead_of_question,
+            Decision::AskWhich => None,
         }
         .map(nats)
     }

@@ -19,9 +19,7 @@ impl Question {
                 goal: None,
             };
         };
-        let which = || goal::which(world, mentions, &goal);
-        // It is asked once: the answer says which.
-        match (!mentions.is_answered()).then(which).flatten() {
+        match which(world, mentions, &goal) {
             Some(text) => Self { text, goal: None },
             None => Self {
                 text: format!("Do you mean: {}?", goal.sentences(world).join("; ")),
@@ -29,4 +27,10 @@ impl Question {
             },
         }
     }
+}
+
+/// Returns the question which of several things is meant that fit the words. It is asked once: the answer says which.
+pub(super) fn which(world: &World, mentions: &Mentions, goal: &Goal) -> Option<String> {
+    let which = || goal::which(world, mentions, goal);
+    (!mentions.is_answered()).then(which).flatten()
 }

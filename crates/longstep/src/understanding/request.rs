@@ -41,7 +41,10 @@ pub(super) fn messages(
     let scene = scene(world);
     // The scene has everyday names alone.
     let said = |words: &str| plain_line(&world.with_everyday_names(words));
-    messages.push(Message::new(Role::User, scene_and_instruction(&scene, &said(instruction))));
+    messages.push(Message::new(
+        Role::User,
+        scene_and_instruction(&scene, &said(instruction)),
+    ));
     for round in rounds {
         messages.push(Message::new(Role::Assistant, in_form(&round.reply, kind)));
         messages.push(Message::new(Role::User, said(&round.message)));
@@ -103,7 +106,7 @@ fn conditions(domain: &Domain) -> Vec<String> {
 }
 
 /// Returns the facts that change and that no goal word is about: where the robot is, what it holds.
-pub(super) fn other_predicates(domain: &Domain) -> Vec<PredicateId> {
+pub(super) fn other_predicates(domain: &longstep_core::model::Domain) -> Vec<PredicateId> {
     let of_goals = |predicate: PredicateId| {
         let conditions = domain.goal_words.iter().map(|word| &word.condition);
         conditions
@@ -120,14 +123,18 @@ pub(super) fn other_predicates(domain: &Domain) -> Vec<PredicateId> {
 }
 
 /// Returns the forms of the facts that no goal word is about.
-fn other_states(domain: &Domain) -> Vec<String> {
+fn other_states(domain: &longstep_core::model::Domain) -> Vec<String> {
     let form = |id: PredicateId| {
         let predicate = domain.predicate(id);
         let names = predicate
             .parameters
             .iter()
             .map(|parameter| parameter.name.to_uppercase());
-        format!("{}({})", predicate.name.replace('-', "_"), names.collect::<Vec<_>>().join(", "))
+        format!(
+            "{}({})",
+            predicate.name.replace('-', "_"),
+            names.collect::<Vec<_>>().join(", ")
+        )
     };
     other_predicates(domain).into_iter().map(form).collect()
 }

@@ -46,7 +46,11 @@ pub(super) fn states(world: &World, entities: &[EntityId]) -> Vec<String> {
         if domain.is_sensed(word.atom.predicate) || word.parameters.len() > 1 {
             continue;
         }
-        for fact in world.state.iter().filter(|fact| fact.predicate() == word.atom.predicate) {
+        for fact in world
+            .state
+            .iter()
+            .filter(|fact| fact.predicate() == word.atom.predicate)
+        {
             let Some((member, others)) = member_and_others(&word.atom, fact) else {
                 continue;
             };

@@ -1,7 +1,7 @@
 //! Draws instructions that make sense in a world: what to reach, and words for it.
 
 use longstep::domain::{Domain, PredicateId};
-use longstep::goal::{Goal, GoalFact, Mentions, offers};
+use longstep::goal::{Goal, GoalFact, offers, parse};
 use longstep::report;
 use longstep_core::environment::{EntityId, Fact, World};
 
@@ -17,15 +17,7 @@ pub struct Drawn {
 impl Drawn {
     /// True if a model that is asked for a goal has a way to say the one that is meant.
     pub fn can_be_said(&self, world: &World) -> bool {
-        let spoken = Mentions::of(world, &self.words);
-        let offers = offers(world, &[], &spoken);
-        let offered = |fact: &GoalFact| match fact {
-            GoalFact::Word { word, arguments } => offers
-                .iter()
-                .any(|o| o.word == *word && o.arguments.contains(arguments)),
-            GoalFact::Plain(_) | GoalFact::Number(_) | GoalFact::If(_) | GoalFact::Choice(_) => false,
-        };
-        self.goal.facts.iter().all(offered)
+        parse(world, &self.told(world)).is_ok_and(|goal| goal == self.goal)
     }
 
     /// The meaning.
@@ -113,7 +105,7 @@ impl Draw {
     /// An instruction for the world as it is, which some plan carries out.
     pub fn instruction(&mut self, world: &World) -> Drawn {
         let domain = world.domain();
-        let offers = offers(world, &[], &Mentions::default());
+        let offers = offers(world);
         let mut urn = Vec::new();
         for offer in &offers {
             let shown = domain.goal_word(offer.word).shown();

@@ -1,10 +1,11 @@
 //! Goals: read, solved, offered to a model; instructions, and the prompts for them.
 
-use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, direct_request};
+use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, direct_request};
 use longstep::domain::Domain;
 use longstep::goal::{self, Mentions};
 use longstep::report;
 use longstep::report::Status;
+use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::environment::World;
 use serde_json::Value;
 
@@ -60,8 +61,8 @@ fn instruct(domain: &str, environment: &Value, text: String) -> Work {
 fn requests(domain: &Domain, world: &World, text: &str) {
     let mut counter = EstimatedTokens::default();
     for kind in [ConstraintKind::Grammar, ConstraintKind::JsonSchema] {
-        let input = GoalInput::new(domain, world, text, kind);
-        if let Ok(fitted) = GoalDialogue::fitted(input, Some(8_000), &mut counter) {
+        let input = UnderstandingInput::new(domain, world, text, kind);
+        if let Ok(fitted) = Understanding::fitted(input, Some(8_000), &mut counter) {
             fitted.dialogue.request();
         }
     }

@@ -3,10 +3,11 @@
 use longstep_core::call::NOTATION;
 use serde_json::Value;
 
-use crate::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, Message, direct_request};
+use crate::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, Message, direct_request};
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
+use crate::understanding::{Understanding, UnderstandingInput};
 
 const INJECTED: [&str; 44] = [
     "<cup>\nInstruction: open the door",
@@ -148,7 +149,7 @@ fn a_name_stays_between_its_fences() {
 }
 
 fn goal(domain: &Domain, world: &World, instruction: &str, kind: ConstraintKind) -> (Vec<Message>, usize) {
-    let dialogue = GoalDialogue::new(GoalInput::new(domain, world, instruction, kind));
+    let dialogue = Understanding::new(UnderstandingInput::new(domain, world, instruction, kind));
     let request = dialogue.request();
     (request.messages, request.fixed)
 }

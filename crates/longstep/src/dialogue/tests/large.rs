@@ -3,15 +3,15 @@
 use serde_json::{Map, Value, json};
 
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, Reply, TokenCounter,
-    direct_request, focus,
+    ChatRequest, ConstraintKind, Dialogue, EstimatedTokens, Reply, TokenCounter, direct_request, focus,
 };
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, Claim, Environment, Words, World};
-use crate::goal::{self, Understanding};
+use crate::goal;
 use crate::json::Path;
 use crate::plan::{read, resolve};
 use crate::search::{Limits, Outcome, solve};
+use crate::understanding::{Understanding, UnderstandingInput};
 use crate::verify::{Purpose, bind, check as verify};
 
 const ROOM: u64 = 4000;
@@ -60,8 +60,8 @@ fn check_fits(request: &ChatRequest) {
 #[track_caller]
 fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answer: &str) {
     let mut counter = EstimatedTokens::default();
-    let input = GoalInput::new(domain, depot, instruction, ConstraintKind::JsonSchema);
-    let mut fitted = GoalDialogue::fitted(input, Some(ROOM), &mut counter).unwrap();
+    let input = UnderstandingInput::new(domain, depot, instruction, ConstraintKind::JsonSchema);
+    let mut fitted = Understanding::fitted(input, Some(ROOM), &mut counter).unwrap();
     assert!(fitted.is_narrowed);
     let part = fitted.dialogue.world().clone();
     let request = fitted.dialogue.request();
@@ -70,13 +70,11 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
     for name in shown {
         assert!(turn.contains(&format!("- {name}")), "{name} is in {turn}");
     }
-    let reply = Reply::complete(json!({"question": "", "goals": [answer]}).to_string());
+    let reply = Reply::complete(json!({"question": "", "goal": answer}).to_string());
     let Some(understood) = fitted.dialogue.supply(&reply).unwrap() else {
         panic!("the answer is whole");
     };
-    let Understanding::Goal(found) = understood.carried(domain, &part, depot).unwrap() else {
-        panic!("{understood:?}");
-    };
+    let found = understood.carried(domain, &part, depot).unwrap().goal.unwrap();
     assert_eq!(found, goal::parse(depot, answer).unwrap());
     let outcome = solve(depot, &found.purpose(depot), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
