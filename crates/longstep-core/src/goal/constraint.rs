@@ -27,6 +27,13 @@ pub enum Constraint {
     },
     /// No step may have the entity as an argument, nor change its states or its numbers.
     Untouched(EntityId),
+    /// A constraint on states that binds as long as a goal does not hold.
+    Until {
+        /// The constraint: [`Self::State`], or [`Self::Untouched`] without its steps.
+        constraint: Box<Constraint>,
+        /// The goal, without conditions.
+        goal: Box<GoalFact>,
+    },
 }
 
 /// The word before a goal that must hold in no state, or before a call that no step may make.
@@ -35,6 +42,8 @@ pub const NEVER: &str = "never ";
 pub const ALWAYS: &str = "always ";
 /// The word for an entity that must be left alone.
 const UNTOUCHED: &str = "untouched";
+/// The word between a constraint and the goal with which it ends.
+pub const UNTIL: &str = " until ";
 /// The notation of any argument of a call.
 pub(super) const ANY: &str = "_";
 
@@ -45,6 +54,18 @@ impl Constraint {
     ///
     /// The error in the constraint.
     pub(super) fn read(world: &World, text: &str) -> Result<Option<Self>, GoalError> {
+        if let Some((constraint, goal)) = text.split_once(UNTIL) {
+            let Some(constraint) = Self::read(world, constraint.trim())? else {
+                return Ok(None);
+            };
+            if let Self::Step { .. } = constraint {
+                return Err(GoalError::StepsUntil { part: text.to_owned() });
+            }
+            return Ok(Some(Self::Until {
+                constraint: Box::new(constraint),
+                goal: Box::new(fact::plain(world, goal.trim())?),
+            }));
+        }
         if let Some(inner) = text.strip_prefix(ALWAYS) {
             let fact = fact::plain(world, inner.trim())?;
             return Self::state(world, text, fact, true).map(Some);
@@ -133,6 +154,13 @@ impl Constraint {
                 format!("{NEVER}{}({})", domain.action(*action).call, arguments.join(", "))
             }
             Self::Untouched(entity) => format!("{UNTOUCHED}({})", name(*entity)),
+            Self::Until { constraint, goal } => {
+                format!(
+                    "{}{UNTIL}{}",
+                    constraint.written(domain, name),
+                    goal.written(domain, name)
+                )
+            }
         }
     }
 
@@ -156,6 +184,11 @@ impl Constraint {
                 format!("no step is `{}`", call.strip_prefix(NEVER).unwrap_or(&call))
             }
             Self::Untouched(entity) => format!("no step touches {}", voice.name(world, *entity)),
+            Self::Until { constraint, goal } => format!(
+                "{}, until {}",
+                constraint.sentence_in(voice, world),
+                goal.sentence_in(voice, world)
+            ),
         }
     }
 
@@ -170,6 +203,7 @@ impl Constraint {
             Self::State { fact, .. } => fact.about(domain),
             Self::Step { arguments, .. } => arguments.iter().flatten().copied().collect(),
             Self::Untouched(entity) => vec![*entity],
+            Self::Until { constraint, goal } => [constraint.about(domain), goal.about(domain)].concat(),
         }
     }
 
@@ -189,6 +223,10 @@ impl Constraint {
                     .collect::<Option<Vec<_>>>()?,
             },
             Self::Untouched(entity) => Self::Untouched(there(*entity)?),
+            Self::Until { constraint, goal } => Self::Until {
+                constraint: Box::new(constraint.carried(domain, from, to)?),
+                goal: Box::new(goal.carried(domain, from, to)?),
+            },
         })
     }
 
@@ -197,12 +235,7 @@ impl Constraint {
         let domain = world.domain();
         let (written, says) = (self.exact(world), self.sentence(world));
         match self {
-            Self::State { fact, holds } => {
-                let Wanted { condition, bindings } = fact.wanted(domain, &[]);
-                let condition = condition.bound(&bindings);
-                let condition = if *holds { condition } else { condition.complement() };
-                Prohibition::new(written, says, Some(condition), Vec::new())
-            }
+            Self::State { .. } => Prohibition::new(written, says, Some(self.condition(world)), Vec::new()),
             Self::Step { action, arguments } => {
                 let own = domain.action(*action);
                 let mut all = vec![None; own.parameters.len()];
@@ -224,6 +257,27 @@ impl Constraint {
                 };
                 Prohibition::new(written, says, Some(unchanged(world, *entity)), vec![pattern])
             }
+            Self::Until { constraint, goal } => {
+                let Wanted { condition, bindings } = goal.wanted(domain, &[]);
+                let holds = constraint.condition(world);
+                let condition = Condition::Or(vec![holds, condition.bound(&bindings)]);
+                Prohibition::new(written, says, Some(condition), Vec::new())
+            }
+        }
+    }
+}
+
+impl Constraint {
+    /// Returns the condition that must hold in every state.
+    fn condition(&self, world: &World) -> Condition {
+        match self {
+            Self::State { fact, holds } => {
+                let Wanted { condition, bindings } = fact.wanted(world.domain(), &[]);
+                let condition = condition.bound(&bindings);
+                if *holds { condition } else { condition.complement() }
+            }
+            Self::Untouched(entity) => unchanged(world, *entity),
+            Self::Step { .. } | Self::Until { .. } => Condition::TRUE,
         }
     }
 }

@@ -161,6 +161,14 @@ pub enum GoalError {
         /// The member.
         name: String,
     },
+    /// A prohibition of steps ends with nothing.
+    #[error(
+        "`{part}` forbids steps until a goal holds, which only a prohibition of states can do; write a goal in place of the call"
+    )]
+    StepsUntil {
+        /// The part.
+        part: String,
+    },
     /// A count in a prohibition of steps.
     #[error("`{part}` counts the members of a group, which only goals can; write `all` or `any`")]
     CountOfSteps {

@@ -491,6 +491,10 @@ impl<'t> Places<'t> {
             |own: &Result<Constraint, GoalError>| own.as_ref().map_or_else(|_| Vec::new(), |own| own.about(domain));
         let fits = |own: &Result<Constraint, GoalError>| match own {
             Ok(Constraint::State { fact, .. }) => self.makes_sense(world, fact, false),
+            Ok(Constraint::Until { constraint, .. }) => match &**constraint {
+                Constraint::State { fact, .. } => self.makes_sense(world, fact, false),
+                _ => true,
+            },
             _ => true,
         };
         let leaves = self.leaves(world, &read, &about, &fits)?;

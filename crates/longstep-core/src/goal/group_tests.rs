@@ -99,6 +99,14 @@ fn a_group_stands_for_its_members() {
             "put(any thing where on_something(shelf) & not on_something(table) or on_something(sink), table)",
         ),
         (
+            "never opened(fridge) until put(all glass, sink)",
+            "never opened(fridge) until put(wine glass, sink) & never opened(fridge) until put(glass, sink)",
+        ),
+        (
+            "put(vase, sink) & untouched(glass) until put(vase, sink)",
+            "put(vase, sink) & untouched(glass) until put(vase, sink)",
+        ),
+        (
             "never put(glass, _)",
             "never put(glass, table) & never put(glass, shelf) & never put(glass, sink) & never put(glass, fridge)",
         ),
@@ -336,4 +344,33 @@ fn a_choice_is_exported_as_a_disjunction() {
     for fact in ["(on wine_glass sink)", "(on glass sink)", "(inside glass sink)"] {
         assert!(problem.contains("(or") && problem.contains(fact), "{problem}");
     }
+}
+
+#[test]
+fn a_constraint_may_end_with_a_goal() {
+    let world = kitchen();
+    for (text, same) in [
+        (
+            "put(vase, shelf) & put(glass, sink) & never put(vase, shelf) until put(glass, sink)",
+            "put(glass, sink) then put(vase, shelf)",
+        ),
+        (
+            "put(vase, shelf) & put(glass, sink) & untouched(vase) until put(glass, sink)",
+            "put(glass, sink) then put(vase, shelf)",
+        ),
+        // The goal that would end it never comes about.
+        (
+            "put(vase, sink) & untouched(vase) until put(glass, fridge)",
+            "put(glass, fridge) then put(vase, sink)",
+        ),
+        (
+            "put(vase, sink) & never put(vase, sink) until put(vase, sink)",
+            "put(vase, sink)",
+        ),
+    ] {
+        let [goal, same] = [text, same].map(|text| parse(&world, text).unwrap());
+        assert_eq!(length(&world, &goal), length(&world, &same), "{text}");
+    }
+    let error = parse(&world, "never grasp(vase) until put(glass, sink)").unwrap_err();
+    assert!(error.to_string().contains("write a goal in place"), "{error}");
 }

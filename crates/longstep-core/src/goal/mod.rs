@@ -31,7 +31,7 @@ pub use choice::Choice;
 pub use comparison::{NumberGoal, Operand};
 pub use conditional::Conditional;
 pub use conditional::{AND, ELSE, IF, NOT, THEN, WrittenConditional};
-pub use constraint::{ALWAYS, Constraint, NEVER};
+pub use constraint::{ALWAYS, Constraint, NEVER, UNTIL};
 pub use error::GoalError;
 pub use fact::read_form;
 pub use group::{Group, Quantifier};

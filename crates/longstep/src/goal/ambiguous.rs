@@ -73,6 +73,7 @@ fn concerned(world: &World, constraint: &Constraint) -> Vec<(EntityId, TypeId)> 
     let domain = world.domain();
     match constraint {
         Constraint::Untouched(entity) => vec![(*entity, TypeId::OBJECT)],
+        Constraint::Until { constraint, .. } => concerned(world, constraint),
         Constraint::Step { action, arguments } => {
             let action = domain.action(*action);
             let kinds = action.explicit.iter().map(|index| action.parameters[*index].kind);

@@ -1,5 +1,7 @@
 //! The answer of a model: the whole goal language, as a form for an engine that masks tokens, and its reading.
 
+use std::cell::RefCell;
+
 use indexmap::IndexMap;
 use longstep_core::model::written_fact;
 
@@ -9,7 +11,7 @@ use crate::coverage::Gap;
 use crate::dialogue::DialogueError;
 use crate::dialogue::answer_grammar::Form;
 use crate::environment::{EntityId, World};
-use crate::goal::{self, ALWAYS, Dependence, Goal, IF, NEVER, NOT, THEN};
+use crate::goal::{self, ALWAYS, Dependence, Goal, IF, NEVER, NOT, THEN, UNTIL};
 use crate::model::{FormPiece, Function, GoalWord, PredicateId, TypeId, ValueForm};
 
 /// The largest number of goals in a stage, and of constraints.
@@ -143,7 +145,9 @@ struct Parts<'a> {
     /// Runs of words of the instruction; none if it has no words.
     spans: Option<Form>,
     /// The forms of groups, by their lists of possible members.
-    groups: std::cell::RefCell<IndexMap<Vec<EntityId>, Form>>,
+    groups: RefCell<IndexMap<Vec<EntityId>, Form>>,
+    /// The form of a goal without a condition, once it is known.
+    simple: RefCell<Option<Option<Form>>>,
 }
 
 impl<'a> Parts<'a> {
@@ -151,7 +155,8 @@ impl<'a> Parts<'a> {
         Self {
             world,
             spans: spans(instruction).map(Form::shared),
-            groups: Default::default(),
+            groups: RefCell::default(),
+            simple: RefCell::default(),
         }
     }
 
@@ -164,8 +169,11 @@ impl<'a> Parts<'a> {
         Form::Row(vec![answer, words.times(0, LEFT_OUT_PARTS)])
     }
 
-    /// Returns the form of a goal; none if the domain has nothing to ask for.
-    fn goals(&self) -> Option<Form> {
+    /// Returns the form of a goal without a condition; none if the domain has nothing to ask for.
+    fn simple_goals(&self) -> Option<Form> {
+        if let Some(known) = &*self.simple.borrow() {
+            return known.clone();
+        }
         let domain = self.world.domain();
         let words = domain.goal_words.iter();
         let mut simple: Vec<Form> = words
@@ -175,10 +183,14 @@ impl<'a> Parts<'a> {
             })
             .collect();
         simple.extend(domain.functions.iter().filter_map(|function| self.comparison(function)));
-        if simple.is_empty() {
-            return None;
-        }
-        let simple = Form::Either(simple).shared();
+        let form = (!simple.is_empty()).then(|| Form::Either(simple).shared());
+        self.simple.borrow_mut().replace(form.clone());
+        form
+    }
+
+    /// Returns the form of a goal; none if the domain has nothing to ask for.
+    fn goals(&self) -> Option<Form> {
+        let simple = self.simple_goals()?;
         let conditions = goal::conditions(self.world);
         if conditions.is_empty() {
             return Some(simple);
@@ -220,7 +232,10 @@ impl<'a> Parts<'a> {
                 Form::text(")"),
             ]));
         }
-        (!ways.is_empty()).then(|| Form::Either(ways).shared())
+        let until = self
+            .simple_goals()
+            .map(|goal| Form::Row(vec![Form::text(UNTIL), goal]).optional());
+        (!ways.is_empty()).then(|| Form::Row(std::iter::once(Form::Either(ways)).chain(until).collect()).shared())
     }
 
     /// Returns the form of a fact that no goal word is about; none if no entity fits.
