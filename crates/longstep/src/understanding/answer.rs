@@ -404,9 +404,7 @@ impl<'a> Parts<'a> {
             parts.push(Form::text(if place == 0 { "(" } else { ", " }));
             parts.push(self.argument(own, false));
         }
-        if !function.parameters.is_empty() {
-            parts.push(Form::text(")"));
-        }
+        parts.push(Form::text(if function.parameters.is_empty() { "()" } else { ")" }));
         let symbols = [" >= ", " <= ", " = ", " > ", " < "].map(str::to_owned);
         parts.push(Form::texts(symbols));
         parts.push(Form::Pattern(NUMBER.to_owned()));

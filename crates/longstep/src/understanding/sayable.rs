@@ -11,8 +11,10 @@ const STATES: usize = 64;
 /// Returns the kinds that some of the entities belong to: types, the last words of their names, and `thing`.
 pub(super) fn kinds(world: &World, entities: &[EntityId]) -> Vec<String> {
     let mut kinds: IndexSet<String> = IndexSet::new();
-    for entity in entities {
-        let words = plain_words(&world.entity(*entity).name);
+    let called = entities.iter().map(|entity| world.entity(*entity));
+    let names = called.flat_map(|entity| std::iter::once(&entity.name).chain(&entity.names));
+    for name in names {
+        let words = plain_words(name);
         let numbers = words.iter().rev().take_while(|word| is_number(word)).count();
         let words = &words[..words.len() - numbers];
         for start in (0..words.len()).rev() {
