@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Trains an adapter of the default model: small additions to its weights that make it better at one of its requests.
 
-    train.py DATA.jsonl MODEL.gguf ADAPTER.gguf [--start ADAPTER.gguf] [--task TASK] [--device cuda] [--epochs N]
+    train.py DATA.jsonl... MODEL.gguf ADAPTER.gguf [--start ADAPTER.gguf] [--task TASK] [--device cuda] [--epochs N]
         [--minutes M] [--measure OTHER.jsonl] [--seed S]
 
-DATA.jsonl is the output of the example `training_data` of longstep-eval. The weights of the model stay as they are (the
+DATA.jsonl is the output of the example `training_data` of longstep-eval, or of `synthetic.py`. The weights of the model stay as they are (the
 dequantized ones of the file, in bfloat16); two thin matrices are trained beside each of its linear maps (LoRA). Many
 instructions of one scene share the tokens before them: one sequence holds the scene once and each instruction as a branch
 that sees the scene and itself. So a processor of two cores trains on about a thousand instructions an hour, and a graphics card
@@ -173,13 +173,26 @@ def mixed(text, chance):
     return "\n".join(lines)
 
 
+def some(turns, most, chance):
+    """At most so many of the examples; all where `most` is None. "any" is none of them in two fifths of the draws, else any number."""
+    if most is None:
+        return turns
+    if most != "any":
+        return chance.sample(turns, min(len(turns), chance.randint(0, most)))
+    if chance.random() < 0.4:
+        return []
+    if chance.random() < 0.5:
+        return chance.sample(turns, chance.randint(0, len(turns)))
+    return [turn for turn in turns if chance.random() < 0.7]
+
+
 def sequence(vocabulary, cases, chance, most, is_mixed=False):
     """One sequence: what the cases share, then each case as a branch, or as a branch of the plan that it is about. With `most`
-    examples at most, or all where it is None; `is_mixed` puts the goals and the things of the scene in another order. Returns
+    examples at most ([`some`]); `is_mixed` puts the goals and the things of the scene in another order. Returns
     tokens, positions, mask, the places whose next token is learned, these tokens, and the number of the case of each."""
     fixed = cases[0]["fixed"]
     turns = list(zip(fixed[1::2], fixed[2::2]))
-    shown = turns if most is None else chance.sample(turns, min(len(turns), chance.randint(0, most)))
+    shown = some(turns, most, chance)
     own = (lambda text: mixed(text, chance)) if is_mixed else lambda text: text
     tokens = vocabulary.message(fixed[0][0], own(fixed[0][1]))
     for question, answer in shown:
@@ -200,7 +213,12 @@ def sequence(vocabulary, cases, chance, most, is_mixed=False):
                 parent += [0] * len(own)
                 tokens += own
             begin, above = plans[case["plan"]]
-        before = vocabulary.text(case["instruction"]) + vocabulary.special("<|im_end|>") + vocabulary.text("\n")
+        before = vocabulary.text(case["instruction"])
+        # What was answered, and what was said about it.
+        for reply, message in case.get("rounds", []):
+            before += vocabulary.special("<|im_end|>") + vocabulary.text("\n") + vocabulary.message("assistant", reply)
+            before += vocabulary.message("user", message, is_open=True)
+        before += vocabulary.special("<|im_end|>") + vocabulary.text("\n")
         before += vocabulary.message("assistant", "", is_open=True)
         if case["answer"] is None:
             answer = vocabulary.text("question:")
@@ -219,6 +237,14 @@ def sequence(vocabulary, cases, chance, most, is_mixed=False):
     seen = (branch[None] == 0) | (branch[:, None] == branch[None]) | (parent[:, None] == branch[None])
     mask = (order[:, None] >= order[None]) & seen
     return torch.tensor(tokens), torch.tensor(positions), mask, torch.tensor(places), torch.tensor(targets), owners
+
+
+def joined(sequences):
+    """Several sequences as one; none sees another."""
+    tokens, positions, masks, places, targets, _ = zip(*sequences)
+    starts = list(itertools.accumulate([0, *map(len, tokens[:-1])]))
+    places = [own + start for own, start in zip(places, starts)]
+    return torch.cat(tokens), torch.cat(positions), torch.block_diag(*masks).bool(), torch.cat(places), torch.cat(targets), []
 
 
 def predicted(model, tokens, positions, mask, places, targets):
@@ -312,10 +338,10 @@ def read_cases(path):
 
 def main():
     reads = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    reads.add_argument("data")
+    reads.add_argument("data", nargs="+")
     reads.add_argument("model")
     reads.add_argument("adapter")
-    reads.add_argument("--task", choices=["goals", "screening", "description", "plans", "retelling"], default="goals")
+    reads.add_argument("--task", choices=["goals", "description", "plans"], default="goals")
     reads.add_argument("--start", help="an adapter to go on from")
     reads.add_argument("--device", default="cpu")
     reads.add_argument("--minutes", type=float, default=60)
@@ -323,7 +349,8 @@ def main():
     reads.add_argument("--rank", type=int, default=4)
     reads.add_argument("--rate", type=float, default=3e-4)
     reads.add_argument("--pack", type=int, default=12)
-    reads.add_argument("--examples", type=int, default=3)
+    reads.add_argument("--scenes", type=int, default=1, help="scenes in one step: 4 fill a card")
+    reads.add_argument("--examples", type=lambda text: text if text == "any" else int(text), default=3, help="at most so many, or `any`")
     reads.add_argument("--mixed", type=float, default=0, help="the share of packs whose lists are put in another order")
     reads.add_argument("--seed", type=int, default=1)
     reads.add_argument("--measure", action="append", default=[], help="other data, to be measured at the end")
@@ -336,31 +363,33 @@ def main():
     model = Model(reader, read.rank, alpha, read.device)
     if read.start:
         load(read.start, model)
-    cases = read_cases(read.data)
+    cases = [case for path in read.data for case in read_cases(path)]
     rounds = [packs(cases, read.pack, chance) for _ in range(max(1, math.ceil(read.epochs)))]
     groups = list(itertools.chain(*rounds))[:round(read.epochs * len(rounds[0]))]
+    steps = [groups[start:start + read.scenes] for start in range(0, len(groups), read.scenes)]
     parameters = [p for p in model.parameters() if p.requires_grad]
     optimizer = torch.optim.AdamW(parameters, lr=read.rate, betas=(0.9, 0.99), weight_decay=0.0)
     start, done, tokens_done = time.monotonic(), 0, 0
     waiting, total = 0, 0
     print(f"{len(cases)} cases, {len(groups)} packs", flush=True)
 
-    for step, group in enumerate(groups):
+    for step, of_step in enumerate(steps):
         elapsed = time.monotonic() - start
         # The rate falls by the packs or by the time, whichever is further.
-        progress = max(step / len(groups), elapsed / (60 * read.minutes))
+        progress = max(step / len(steps), elapsed / (60 * read.minutes))
         if progress >= 1:
             break
         rate = read.rate * min(1.0, (step + 1) / 8) * (0.05 + 0.95 * 0.5 * (1 + math.cos(math.pi * progress)))
         for part in optimizer.param_groups:
             part["lr"] = rate
-        is_mixed = chance.random() < read.mixed
-        *parts, _ = sequence(vocabulary, group, chance, read.examples, is_mixed)
+        *parts, _ = joined([
+            sequence(vocabulary, group, chance, read.examples, chance.random() < read.mixed) for group in of_step
+        ])
         logits, loss, targets = predicted(model, *parts)
         loss.backward()
-        waiting, total = waiting + len(group), total + len(targets)
+        waiting, total = waiting + sum(map(len, of_step)), total + len(targets)
         # Scenes of few instructions share a step.
-        if waiting >= 0.7 * read.pack or step + 1 == len(groups):
+        if waiting >= 0.7 * read.pack or step + 1 == len(steps):
             for parameter in parameters:
                 parameter.grad /= total
             size = torch.nn.utils.clip_grad_norm_(parameters, 1.0)
@@ -371,7 +400,7 @@ def main():
                 print(f"step {step} is left out: its gradient is not finite", flush=True)
             optimizer.zero_grad()
             waiting, total = 0, 0
-        done += len(group)
+        done += sum(map(len, of_step))
         tokens_done += len(parts[0])
         is_twentieth = step % 20 == 19
         # On a card, neither the text nor a save is worth waiting for at each step.
