@@ -30,7 +30,7 @@ data choice scripts/understanding/training/{pool,avstore}
 data test scripts/understanding/test/*
 "$python" scripts/adapter/synthetic.py "$out/goals.jsonl" "$out/synthetic.jsonl"
 # What people wrote is seen three times, what a program made once.
-"$python" scripts/adapter/train.py "$out"/goals.jsonl{,} "$out/goals.jsonl" "$out/synthetic.jsonl" "$model" "$out/goals.gguf" \
+"$python" scripts/adapter/train.py "$out/goals.jsonl" "$model" "$out/goals.gguf" --epochs 3 --once "$out/synthetic.jsonl" \
     --device "$device" --minutes 1200 --rank 16 --rate 2.5e-4 --pack 12 --scenes "$([ "$device" = cpu ] && echo 1 || echo 4)" \
     --examples any --mixed 0.15 --measure "$out/choice.jsonl" --measure "$out/test.jsonl"
 

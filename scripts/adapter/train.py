@@ -344,6 +344,7 @@ def main():
     reads.add_argument("--task", choices=["goals", "description", "plans"], default="goals")
     reads.add_argument("--start", help="an adapter to go on from")
     reads.add_argument("--device", default="cpu")
+    reads.add_argument("--once", action="append", default=[], help="further data, seen once in all epochs together")
     reads.add_argument("--minutes", type=float, default=60)
     reads.add_argument("--epochs", type=float, default=1)
     reads.add_argument("--rank", type=int, default=4)
@@ -364,7 +365,13 @@ def main():
     if read.start:
         load(read.start, model)
     cases = [case for path in read.data for case in read_cases(path)]
-    rounds = [packs(cases, read.pack, chance) for _ in range(max(1, math.ceil(read.epochs)))]
+    count = max(1, math.ceil(read.epochs))
+    once = packs([case for path in read.once for case in read_cases(path)], read.pack, chance)
+    rounds = []
+    for epoch in range(count):
+        own = packs(cases, read.pack, chance) + once[epoch::count]
+        chance.shuffle(own)
+        rounds.append(own)
     groups = list(itertools.chain(*rounds))[:round(read.epochs * len(rounds[0]))]
     steps = [groups[start:start + read.scenes] for start in range(0, len(groups), read.scenes)]
     parameters = [p for p in model.parameters() if p.requires_grad]
