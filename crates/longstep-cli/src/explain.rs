@@ -52,7 +52,7 @@ pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usi
 pub(crate) fn readings(readings: &[Reading]) {
     show::heading("How it was understood");
     if readings.is_empty() {
-        print_line!("  by the model alone: nothing was weighed");
+        print_line!("  no model was asked");
     }
     for line in readings.iter().flat_map(Reading::lines) {
         print_line!("  {line}");

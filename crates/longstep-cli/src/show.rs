@@ -102,7 +102,7 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
 fn not_represented(answer: &Answer) {
     let gaps = answer.not_represented.iter();
     let gaps: Vec<String> = gaps.map(|gap| format!("\"{}\" ({})", gap.text, gap.kind)).collect();
-    list("Not represented", &gaps);
+    list("Not in the plan", &gaps);
     if !gaps.is_empty() && answer.status == Status::Question {
         output::blank();
     }

@@ -176,7 +176,7 @@ pub enum AdapterChoice {
     Catalogue,
     /// None.
     Off,
-    /// GGUF files with adapters for this model. Each names its task in `longstep.task`: `goals` or `screening`.
+    /// GGUF files with adapters for this model. Each names its task in `longstep.task`: `goals`, `description` or `plans`.
     Files(Vec<PathBuf>),
 }
 

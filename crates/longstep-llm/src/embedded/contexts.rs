@@ -1,8 +1,7 @@
 //! The contexts of a model: how much of the last prompts stays computed.
 //!
-//! The requests about one instruction alternate between prompts and adapters: what it says beyond goals, then its goals,
-//! then the same for its retelling. A context holds one prompt, computed with one adapter. With a single one, each request
-//! would compute its scene again.
+//! What is said in a session alternates between prompts and adapters: what an instruction means, then how its plan is to change. A
+//! context holds one prompt, computed with one adapter. With a single one, each request would compute its scene again.
 
 use llama_cpp_2::model::{LlamaLoraAdapter, LlamaModel};
 use llama_cpp_2::token::LlamaToken;
@@ -11,7 +10,7 @@ use longstep::dialogue::Task;
 use super::engine::Engine;
 use super::state::States;
 
-/// Maximum number of contexts. Two prompts alternate in every instruction; the third is for all others.
+/// Maximum number of contexts. Two prompts alternate where people speak about plans; the third is for all others.
 const MOST: usize = 3;
 
 /// A loaded adapter.

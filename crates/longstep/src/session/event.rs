@@ -13,7 +13,7 @@ use crate::plan::PlanFile;
 use longstep_core::environment::Statements;
 
 /// The version of logs that this library writes, and the newest that it reads.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// An event of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -113,6 +113,15 @@ impl Session {
         session.events.clear();
         let mut dropped = None;
         let mut pending = None;
+        let instruction = tail.iter().find_map(|event| match event {
+            Event::Instruction { text } => Some(text),
+            _ => None,
+        });
+        if let Some(text) = instruction.filter(|_| is_older(log)) {
+            // The replies to requests that are not made any more.
+            dropped = Some(text.clone());
+            tail.retain(|event| matches!(event, Event::Model { .. } | Event::Settings(_)));
+        }
         let gone_through = tail.iter().try_for_each(|event| session.take(event, &mut pending));
         // The only possible new event is the acceptance of a plan that the log merely proposes.
         session.events.retain(|event| matches!(event, Event::Accept { .. }));
@@ -258,6 +267,14 @@ impl Session {
         }
     }
 }
+
+/// Returns true if the log was written when an instruction had other requests.
+fn is_older(log: &Log) -> bool {
+    matches!(log.events().next(), Some(Event::Begin { version, .. }) if *version < ONE_REQUEST)
+}
+
+/// The version of logs since which an instruction has one request.
+const ONE_REQUEST: u32 = 5;
 
 fn begin(domain: Arc<Domain>, log: &Log, now: Stopwatch) -> Result<Session, ResumeError> {
     let Some(Event::Begin {
