@@ -8,7 +8,7 @@ use super::names::Mentions;
 use super::{Gap, entities};
 use crate::environment::{EntityId, World};
 use crate::goal::{Goal, GoalFact};
-use crate::model::{GoalWordId, label, plain_words, singular};
+use crate::model::{GoalWordId, label};
 
 /// Pairs of quotation marks. An apostrophe is none: it is part of a word in many languages.
 const QUOTATION_MARKS: [(char, char); 7] = [
@@ -52,27 +52,12 @@ pub(super) fn is_represented(world: &World, instruction: &str, part: &Range<usiz
     !digits.is_empty()
         && digits
             .iter()
-            .all(|range| is_known(&instruction[range.clone()]) || is_label(world, instruction, range, goal))
+            .all(|range| is_known(&instruction[range.clone()]) || is_label(world, &instruction[range.clone()]))
 }
 
-/// Returns true if a number is the label of an entity of the goal: it stands behind a name of the entity ("room 102"), or it ends its
-/// clause ("to 102"). A number before a noun is an amount.
-fn is_label(world: &World, instruction: &str, number: &Range<usize>, goal: &Goal) -> bool {
-    let before: Vec<String> = plain_words(&instruction[..number.start]);
-    let last = before.last().map(|word| singular(word));
-    let ends_clause = !instruction[number.end..]
-        .trim_start()
-        .starts_with(char::is_alphanumeric);
-    entities(world, goal).into_iter().any(|entity| {
-        let entity = world.entity(entity);
-        let is_own = !entity.is_value && label(&entity.identifier) == instruction[number.clone()];
-        let names = || entity.names.iter().flat_map(|name| plain_words(name));
-        is_own
-            && (ends_clause
-                || last
-                    .as_ref()
-                    .is_some_and(|last| names().any(|word| singular(&word) == *last)))
-    })
+/// Returns true if a number is the label of an entity: "the tray from 22" names a room.
+fn is_label(world: &World, number: &str) -> bool {
+    world.entities().any(|(_, entity)| !entity.is_value && label(&entity.identifier) == number)
 }
 
 /// Returns true if one of these texts in lower case contains another one, in any case.

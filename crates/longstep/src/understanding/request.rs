@@ -11,10 +11,15 @@ use crate::environment::World;
 use crate::goal::QUESTION;
 use crate::model::{Condition, Domain, PredicateId};
 
-/// What a server is told about the form of its answer, behind the system text.
+/// What a server is told about the form of its answer, behind the system text. An embedded model has learned it.
 const JSON_FORM: &str = "\n\nWrite the answer as a JSON object with three keys: \"goal\", the whole goal as a text in this language, \
     empty if you ask; \"left_out\", the words that the goal does not say, each with its \"text\", copied from the instruction, \
-    and its \"kind\"; and \"question\", which is empty unless you have to ask.";
+    and its \"kind\"; and \"question\", which is empty unless you have to ask.\n\n\
+    Of the kinds, time is a moment or a deadline (at noon, by tomorrow); amount is a definite quantity, number of times or duration \
+    (two litres, twice, for ten minutes); manner is how something is done, or how much in vague words (quickly, a bit); condition is a \
+    case that cannot be a CONDITION here; message is what somebody is to be told where no goal has a text; wish is something further \
+    that no goal says. Courtesy, remarks, the names of people who are spoken to, and where a thing is now are not left out. A text in a \
+    goal stands in double quotes, in the words of the person.";
 
 /// Returns the fixed messages, then the scene with the instruction, then the later rounds; and the number of the fixed ones.
 /// `examples` is the number of worked examples; all if none.
@@ -33,6 +38,7 @@ pub(super) fn messages(
     }
     if kind == ConstraintKind::JsonSchema {
         messages[0].text.push_str(JSON_FORM);
+        messages[0].text.push_str(&numbers(domain));
         for answer in messages.iter_mut().skip(2).step_by(2) {
             answer.text = in_form(&answer.text, kind);
         }
@@ -94,6 +100,22 @@ fn language(domain: &Domain) -> String {
     text.push_str("\n- left out KIND: the words that none of these can say, at the end, and their KIND: ");
     text.push_str(&Gap::ALL.map(Gap::name).join(", "));
     text
+}
+
+/// Returns how the numbers of the domain are asked for.
+fn numbers(domain: &Domain) -> String {
+    let changing = domain.functions.iter().filter(|function| function.changes);
+    let forms: Vec<String> = changing
+        .map(|function| {
+            let names = function.parameters.iter().map(|own| own.name.to_uppercase());
+            let unit = function.unit.as_ref().map_or(String::new(), |unit| format!(" {unit}"));
+            format!("{}({}) >= 3{unit}", function.word, names.collect::<Vec<_>>().join(", "))
+        })
+        .collect();
+    match forms.is_empty() {
+        true => String::new(),
+        false => format!("\n\nNumbers are compared with <, <=, =, >= or >: {}", forms.join(", ")),
+    }
 }
 
 /// Returns the forms of what can be sensed.

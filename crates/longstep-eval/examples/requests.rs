@@ -1,6 +1,6 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, missing_docs)]
 use std::path::Path;
-use longstep::dialogue::{Constraint, ConstraintKind, Dialogue};
+use longstep::dialogue::{ConstraintKind, Dialogue};
 use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_eval::suite::{self, Files};
 use longstep_llm::read_texts;
@@ -17,12 +17,12 @@ fn main() {
         let suite = suite::load(&files, &domain).unwrap();
         for case in &suite.cases {
             let [step] = &case.steps[..] else { continue };
-            let Some(goal) = step.expected.goals().first() else { continue };
             let mut world = suite.world(case);
             world.add_values(&step.says);
-            let input = UnderstandingInput::new(&domain, &world, &step.says, ConstraintKind::Grammar);
-            let Constraint::Lark(text) = Understanding::new(input).request().constraint else { panic!() };
-            println!("{}", serde_json::json!({"id": case.id, "grammar": text, "text": goal.text(&suite.judged_world(case))}));
+            let input = UnderstandingInput { examples: Some(0), ..UnderstandingInput::new(&domain, &world, &step.says, ConstraintKind::JsonSchema) };
+            let request = Understanding::new(input).request();
+            let texts: Vec<&str> = request.messages.iter().map(|own| own.text.as_str()).collect();
+            println!("{}", serde_json::json!({"suite": suite.name, "case": case.id, "messages": texts}));
         }
     }
 }
