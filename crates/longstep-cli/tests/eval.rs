@@ -200,3 +200,26 @@ fn the_paper_s_tables_come_out_of_its_recordings() {
     assert!(told.contains("70 of 70 cells agree"), "{told}");
     assert!(told.contains("14 of 14 entries agree"), "{told}");
 }
+
+/// What a strong model answered that saw nothing but the requests (`scripts/understanding/README.md`).
+#[test]
+fn recorded_answers_of_a_strong_model_are_right() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/understanding");
+    for (suite, replies, right, of) in [
+        ("test/care", "test-care", 34, 34),
+        ("test/home", "test-home", 34, 34),
+        ("test/laboratory", "test-laboratory", 34, 34),
+        ("test/warehouse", "test-warehouse", 32, 34),
+        ("test/workshop", "test-workshop", 34, 34),
+        ("sealed/farm/suite-full", "sealed-farm-suite-full", 85, 86),
+        ("sealed/hotel/suite-full", "sealed-hotel-suite-full", 85, 86),
+    ] {
+        let out = tempfile::tempdir().unwrap();
+        let (replies, run) = (format!("recorded/{replies}.json"), out.path().join("run"));
+        let arguments = ["eval", suite, "--replies", &replies, "--json", "--out", run.to_str().unwrap()];
+        let output = longstep(&root, &arguments);
+        let object: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        let correct = &object["summary"]["correct"];
+        assert_eq!(correct, &serde_json::json!({"hits": right, "of": of}), "{suite}");
+    }
+}

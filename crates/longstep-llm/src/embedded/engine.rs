@@ -95,6 +95,11 @@ impl<'model> Engine<'model> {
         self.tokens.is_empty() && self.beyond == 0
     }
 
+    /// The number of tokens in the cache.
+    pub(super) fn length(&self) -> usize {
+        self.tokens.len()
+    }
+
     /// The length of the common prefix of these tokens and the cache.
     pub(super) fn known(&self, tokens: &[LlamaToken]) -> usize {
         let pairs = self.tokens.iter().zip(tokens);

@@ -145,7 +145,7 @@ mod tests {
 }
 
 /// The log-probability of the tokens over the whole vocabulary, which a grammar does not change.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Score {
     text: f64,
     forced: f64,
@@ -168,6 +168,11 @@ impl Score {
     pub(super) fn force(&mut self, logits: &[f32], token: LlamaToken) {
         let logit = usize::try_from(token.0).ok().and_then(|index| logits.get(index));
         self.forced += logit.map_or(0.0, |logit| f64::from(*logit) - log_sum(logits));
+    }
+
+    /// Returns the likelihood of all tokens so far, in nats.
+    pub(super) fn total(&self) -> f64 {
+        self.text + self.forced
     }
 
     /// Returns the likelihood, rounded so that it is the same on most machines.

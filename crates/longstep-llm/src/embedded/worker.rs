@@ -206,13 +206,21 @@ impl<'model> Worker<'model> {
         self.sampler.begin();
         let mut written = Written::default();
         let is_scored = matches!(request.constraint, Constraint::Lark(_));
-        let finish = self.write(matcher, request.max_tokens as usize, &mut written, tell)?;
+        let most = request.max_tokens as usize;
+        let mut forks = Vec::new();
+        let mut matcher = matcher;
+        let mut finish = self.write(matcher.as_mut(), most, &mut written, &mut forks, tell)?;
+        let mut generated = written.tokens.len();
+        if let Some(matcher) = matcher.as_mut().filter(|_| request.task == Task::Goals && pictures.is_empty()) {
+            let mut search = Search { matcher, most, forks, begin: prompt.tokens.len() };
+            generated += self.search(&mut search, &mut written, &mut finish, tell)?;
+        }
         let text = String::from_utf8_lossy(&written.bytes).into_owned();
         let usage = Usage {
             calls: 1,
             prompt_tokens: total as u64,
             cached_tokens: cached as u64,
-            completion_tokens: written.tokens.len() as u64,
+            completion_tokens: generated as u64,
         };
         // Behind pictures the engine holds more than tokens; such an answer is computed again to go on.
         self.last = pictures.is_empty().then(|| Turn {
@@ -310,60 +318,129 @@ impl<'model> Worker<'model> {
         Ok(known)
     }
 
-    /// Generates an answer of tokens that the grammar allows.
+    /// Generates an answer, or the rest of one, of tokens that the grammar allows. Notes what else could have been chosen.
     fn write(
         &mut self,
-        mut matcher: Option<Matcher>,
+        mut matcher: Option<&mut Matcher>,
         most: usize,
         written: &mut Written,
+        forks: &mut Vec<Fork>,
         tell: &mut Tell<'_>,
     ) -> Result<Finish, ModelError> {
         loop {
             if written.tokens.len() >= most {
                 return Ok(Finish::Length);
             }
-            let next = self.next(matcher.as_mut(), &mut written.score)?;
-            if self.model.vocab().is_eog(next) {
-                return Ok(Finish::Stop);
-            }
-            let before = written.tokens.len();
-            written.push(self.model, next);
-            let mut complete = false;
-            if let Some(matcher) = &mut matcher {
-                let forced = follow(matcher, next).map_err(|reason| self.failed(reason))?;
-                complete = matcher.is_stopped();
-                for token in forced {
-                    if self.model.vocab().is_eog(token) {
-                        complete = true;
-                        break;
-                    }
-                    if written.tokens.len() >= most {
-                        return Ok(Finish::Length);
-                    }
-                    written.push(self.model, token);
-                }
-            }
-            let tokens = written.tokens.len();
-            if !tell(Progress::Writing { tokens }) {
-                return Err(self.failed("it was stopped".into()));
-            }
-            let new = written.tokens.get(before..).unwrap_or_default();
-            // The last token needs no computation, unless forced tokens are to be scored.
-            if !complete || new.len() > 1 {
-                let score = &mut written.score;
-                let engine = self.contexts.engine_mut();
-                let appended = engine.append(new, &mut |token, logits| score.force(logits, token));
-                appended.map_err(|reason| self.failed(reason))?;
-            }
-            if complete {
-                return Ok(Finish::Stop);
+            let (next, fork) = self.next(matcher.as_deref_mut(), written)?;
+            forks.extend(fork);
+            if let Some(finish) = self.put(matcher.as_deref_mut(), next, most, written, tell)? {
+                return Ok(finish);
             }
         }
     }
 
-    /// Samples the next token, and counts it in the score if there is a grammar.
-    fn next(&mut self, matcher: Option<&mut Matcher>, score: &mut Score) -> Result<LlamaToken, ModelError> {
+    /// Adds a token and those that the grammar forces behind it; returns how the answer ended, if it did.
+    fn put(
+        &mut self,
+        matcher: Option<&mut Matcher>,
+        next: LlamaToken,
+        most: usize,
+        written: &mut Written,
+        tell: &mut Tell<'_>,
+    ) -> Result<Option<Finish>, ModelError> {
+        if self.model.vocab().is_eog(next) {
+            return Ok(Some(Finish::Stop));
+        }
+        let before = written.tokens.len();
+        written.push(self.model, next);
+        let mut complete = false;
+        if let Some(matcher) = matcher {
+            let forced = follow(matcher, next).map_err(|reason| self.failed(reason))?;
+            complete = matcher.is_stopped();
+            for token in forced {
+                if self.model.vocab().is_eog(token) {
+                    complete = true;
+                    break;
+                }
+                if written.tokens.len() >= most {
+                    return Ok(Some(Finish::Length));
+                }
+                written.push(self.model, token);
+            }
+        }
+        let tokens = written.tokens.len();
+        if !tell(Progress::Writing { tokens }) {
+            return Err(self.failed("it was stopped".into()));
+        }
+        let new = written.tokens.get(before..).unwrap_or_default();
+        // The last token needs no computation, unless forced tokens are to be scored.
+        if !complete || new.len() > 1 {
+            let score = &mut written.score;
+            let engine = self.contexts.engine_mut();
+            let appended = engine.append(new, &mut |token, logits| score.force(logits, token));
+            appended.map_err(|reason| self.failed(reason))?;
+        }
+        Ok(complete.then_some(Finish::Stop))
+    }
+
+    /// Looks for an answer that is likelier than the one that was written token by token: under a grammar, the likeliest next token can
+    /// begin what the model would never have said. Returns the number of tokens that this took.
+    ///
+    /// An answer is no likelier than its beginning, so the search goes on from the likeliest other beginning, as long as that is likelier
+    /// than the answer so far.
+    fn search(
+        &mut self,
+        search: &mut Search<'_>,
+        best: &mut Written,
+        finish: &mut Finish,
+        tell: &mut Tell<'_>,
+    ) -> Result<usize, ModelError> {
+        let mut generated = 0;
+        for _ in 0..TRIES {
+            let least = best.score.total();
+            let likeliest = search.forks.iter().enumerate();
+            let likeliest = likeliest.max_by(|(_, one), (_, other)| one.likelihood.total_cmp(&other.likelihood));
+            let Some(place) = likeliest.filter(|(_, fork)| fork.likelihood > least).map(|(place, _)| place) else {
+                break;
+            };
+            if least > SURE {
+                break;
+            }
+            let fork = search.forks.swap_remove(place);
+            let engine = self.contexts.engine_mut();
+            let begin = search.begin + fork.written.tokens.len();
+            if engine.keep(begin.min(engine.length())) != begin {
+                // A model whose memory cannot be cut.
+                break;
+            }
+            let taken: Vec<u32> = fork.written.tokens.iter().map(|token| token.0.cast_unsigned()).collect();
+            let reset = search.matcher.reset().and_then(|()| search.matcher.try_consume_tokens(&taken));
+            if !reset.is_ok_and(|count| count == taken.len()) {
+                break;
+            }
+            let mut written = fork.written;
+            written.score = fork.score;
+            let most = search.most;
+            let ended = match self.put(Some(search.matcher), fork.token, most, &mut written, tell)? {
+                Some(ended) => ended,
+                None => self.write(Some(search.matcher), most, &mut written, &mut search.forks, tell)?,
+            };
+            generated += written.tokens.len() - taken.len();
+            if ended == Finish::Stop && written.score.total() > best.score.total() {
+                (*best, *finish) = (written, ended);
+            }
+        }
+        Ok(generated)
+    }
+
+    /// Samples the next token, and counts it in the score if there is a grammar. Returns what else could have been chosen.
+    fn next(
+        &mut self,
+        matcher: Option<&mut Matcher>,
+        written: &mut Written,
+    ) -> Result<(LlamaToken, Option<Fork>), ModelError> {
         let logits = self.contexts.engine().logits();
+        let mut fork = None;
         let chosen = match matcher {
             None => self
                 .sampler
@@ -377,14 +454,21 @@ impl<'model> Worker<'model> {
                 let ends = self.ends.iter().copied();
                 let ends = ends.filter(|end| u32::try_from(*end).is_ok_and(|end| allowed.is_allowed(end)));
                 let end = ends.max_by(|one, other| logits[*one].total_cmp(&logits[*other]));
-                score.count(logits, chosen, end);
+                let mut other: Option<usize> = None;
+                allowed.iter_set_entries(|index| {
+                    let is_likelier = |known: usize| logits.get(index) > logits.get(known);
+                    if Some(index) != chosen && index < logits.len() && other.is_none_or(is_likelier) {
+                        other = Some(index);
+                    }
+                });
+                fork = other.and_then(|other| Fork::new(written, logits, other, end));
+                written.score.count(logits, chosen, end);
                 chosen
             }
         };
-        chosen
-            .and_then(|index| i32::try_from(index).ok())
-            .map(LlamaToken)
-            .ok_or_else(|| self.failed("the grammar allows no token".into()))
+        let chosen = chosen.and_then(|index| i32::try_from(index).ok()).map(LlamaToken);
+        let chosen = chosen.ok_or_else(|| self.failed("the grammar allows no token".into()))?;
+        Ok((chosen, fork))
     }
 
     fn unsupported(&self, reason: String) -> ModelError {
@@ -432,8 +516,48 @@ fn ends(model: &LlamaModel) -> Vec<usize> {
     tokens.filter_map(|token| usize::try_from(token).ok()).collect()
 }
 
+/// Maximum number of further answers that are looked for.
+const TRIES: usize = 4;
+
+/// The likelihood of an answer, in nats, above which no other one is looked for.
+const SURE: f64 = -0.5;
+
+/// The search for a likelier answer.
+struct Search<'a> {
+    matcher: &'a mut Matcher,
+    most: usize,
+    /// What could have been chosen in place of what was.
+    forks: Vec<Fork>,
+    /// The number of tokens of the prompt.
+    begin: usize,
+}
+
+/// A place at which an answer could have gone on with another token.
+struct Fork {
+    /// The answer before the token.
+    written: Written,
+    token: LlamaToken,
+    /// The score with the token.
+    score: Score,
+    /// The likelihood of the answer up to the token.
+    likelihood: f64,
+}
+
+impl Fork {
+    fn new(written: &Written, logits: &[f32], token: usize, end: Option<usize>) -> Option<Self> {
+        let mut score = written.score.clone();
+        score.count(logits, Some(token), end);
+        Some(Self {
+            written: written.clone(),
+            token: LlamaToken(i32::try_from(token).ok()?),
+            likelihood: score.total(),
+            score,
+        })
+    }
+}
+
 /// The generated part of an answer.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Written {
     tokens: Vec<LlamaToken>,
     bytes: Vec<u8>,

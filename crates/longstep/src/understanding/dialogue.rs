@@ -16,7 +16,7 @@ use crate::dialogue::{
 };
 use crate::effort;
 use crate::environment::World;
-use crate::goal::Mentions;
+use crate::goal::{GoalError, Mentions};
 use crate::model::Domain;
 
 /// The token budget of an answer under a grammar.
@@ -219,15 +219,7 @@ impl Understanding {
         let read = match answer::read(&self.world, &text) {
             Ok(read) => read,
             // A group without a member, or what can never hold: the grammar does not look that far.
-            Err(DialogueError::NoGoal(error)) => {
-                let asked = format!("I cannot do it like that: {error}. What should I do?");
-                return Ok(Some(self.interpreted(
-                    Answer::default(),
-                    Profile::BELIEVED,
-                    Decision::Ask,
-                    asked,
-                )));
-            }
+            Err(DialogueError::NoGoal(error)) => return Ok(Some(self.impossible(&error))),
             Err(error) => return Err(error),
         };
         let has_asked = !self.asks;
@@ -246,6 +238,12 @@ impl Understanding {
             likelihood.filter(|_| read.goal.is_some()),
         );
         Ok(Some(self.interpreted(read, profile, decision, String::new())))
+    }
+
+    /// Asks about an answer that is no goal in this world.
+    fn impossible(&mut self, error: &GoalError) -> Interpretation {
+        let asked = format!("I cannot do it like that: {error}. What should I do?");
+        self.interpreted(Answer::default(), Profile::BELIEVED, Decision::Ask, asked)
     }
 
     /// Reads the reply of a server.
@@ -342,7 +340,11 @@ impl Dialogue for Understanding {
             ConstraintKind::Grammar => self.read_under_grammar(reply),
             ConstraintKind::JsonSchema => {
                 let read = self.read_object(&reply.text);
-                self.transcript.read_or_repeat(reply, read)
+                match self.transcript.read_or_repeat(reply, read) {
+                    // It was told what is wrong, and says it again: an amount that is out of range, say.
+                    Err(DialogueError::NoGoal(error)) => Ok(Some(self.impossible(&error))),
+                    read => read,
+                }
             }
         }
     }
