@@ -255,6 +255,8 @@ pub struct GoalEntry {
     #[serde(default)]
     pub disturbs: Vec<Text>,
     pub says: Text,
+    /// What a person asks the robot to do, after "Should I".
+    pub asks: Option<Text>,
     pub means: String,
 }
 

@@ -172,6 +172,15 @@ impl GoalFact {
         self.sentence_with(voice, world, &|entity| voice.name(world, entity))
     }
 
+    /// Writes the goal as what a person asks for, after "Should I": `put the pen on the shelf`; none if the domain has no words for it.
+    fn asked(&self, world: &World) -> Option<String> {
+        let Self::Word { word, arguments } = self else {
+            return None;
+        };
+        let asks = world.domain().goal_word(*word).asks.as_ref()?;
+        Some(asks.fill(|parameter| Voice::Person.name(world, arguments[parameter])))
+    }
+
     /// Writes the goal as a sentence; `name` gives the name of each entity.
     fn sentence_with(&self, voice: Voice, world: &World, name: &dyn Fn(EntityId) -> String) -> String {
         let domain = world.domain();
@@ -373,6 +382,15 @@ impl Goal {
     /// Returns true if a part of the goal has a condition.
     pub fn depends(&self) -> bool {
         self.facts.iter().any(GoalFact::is_conditional)
+    }
+
+    /// Writes the question whether this goal is meant.
+    pub fn question(&self, world: &World) -> String {
+        let asked: Option<Vec<String>> = self.facts.iter().map(|fact| fact.asked(world)).collect();
+        match asked.filter(|asked| !asked.is_empty() && self.stages.is_empty() && self.constraints.is_empty()) {
+            Some(asked) => format!("Should I {}?", asked.join(" and ")),
+            None => format!("Do you mean: {}?", self.sentences(world).join("; ")),
+        }
     }
 
     /// Writes the goal in the goal language, with everyday names: groups as they were written, stages with `then`, constraints last.

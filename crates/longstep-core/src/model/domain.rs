@@ -395,6 +395,8 @@ pub struct GoalWord {
     pub disturbs: Vec<usize>,
     /// The template for the goal as a sentence for a person.
     pub says: Template,
+    /// The template for what achieves the goal, after "Should I": `put {item} on {place}`.
+    pub asks: Option<Template>,
     /// The description of the goal word, for models.
     pub means: String,
 }

@@ -149,7 +149,7 @@ fn what_is_only_forbidden_becomes_a_rule() {
 fn a_model_that_asks_is_asked_for_its_best_goal() {
     let mut asks = session(ConstraintKind::Grammar, Settings::default());
     play(&mut asks, "That should be tidier", &["question:", "put(pen, shelf)"]);
-    assert_eq!(question(&asks), "Do you mean: the pen is at the shelf?");
+    assert_eq!(question(&asks), "Should I put the pen at the shelf?");
     let mut events = asks.take_events();
     check_log(&mut asks, &events);
     asks.accept().unwrap();

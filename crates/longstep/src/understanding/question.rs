@@ -22,7 +22,7 @@ impl Question {
         match which(world, mentions, &goal) {
             Some(text) => Self { text, goal: None },
             None => Self {
-                text: format!("Do you mean: {}?", goal.sentences(world).join("; ")),
+                text: goal.question(world),
                 goal: Some(goal),
             },
         }

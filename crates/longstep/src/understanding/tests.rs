@@ -134,7 +134,7 @@ fn answers_of_servers_are_read() {
 fn the_table_decides_about_answers_under_a_grammar() {
     let (domain, world) = kitchen();
     let butter = "put(butter, counter)";
-    let sure = "Do you mean: the butter is at the counter?";
+    let sure = "Should I put the butter at the counter?";
     for (replies, decision, question) in [
         (&[(butter, -20)][..], Decision::Act, ""),
         (&[(butter, -9000)], Decision::AskForUnlikely, sure),

@@ -131,6 +131,7 @@ impl Loader<'_> {
                 .filter_map(|d| self.parameter(d, &parameters))
                 .collect(),
             says: self.template(&entry.says, &parameters),
+            asks: entry.asks.as_ref().map(|asks| self.template(asks, &parameters)),
             means: entry.means.clone(),
             parameters,
         })
