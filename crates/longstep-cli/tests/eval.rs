@@ -216,7 +216,15 @@ fn recorded_answers_of_a_strong_model_are_right() {
     ] {
         let out = tempfile::tempdir().unwrap();
         let (replies, run) = (format!("recorded/{replies}.json"), out.path().join("run"));
-        let arguments = ["eval", suite, "--replies", &replies, "--json", "--out", run.to_str().unwrap()];
+        let arguments = [
+            "eval",
+            suite,
+            "--replies",
+            &replies,
+            "--json",
+            "--out",
+            run.to_str().unwrap(),
+        ];
         let output = longstep(&root, &arguments);
         let object: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
         let correct = &object["summary"]["correct"];

@@ -82,6 +82,9 @@ impl Reading {
         let why = match self.decision {
             Decision::Act if self.least.is_none() => "acted on: the model is believed".to_owned(),
             Decision::Act => format!("acted on: it is not less likely{than}"),
+            Decision::ActOnOnly => {
+                format!("acted on: no other answer is nearly as likely, and it is not less likely{than}")
+            }
             Decision::ActInsteadOfAsking => format!("acted on, although the model asks: it is not less likely{than}"),
             Decision::AskForUnlikely => format!("a question: it is less likely{than}"),
             Decision::Ask => "a question: the model asks".to_owned(),

@@ -183,6 +183,7 @@ impl Score {
             text: rounded(self.text),
             forced: rounded(self.ended.map_or(self.forced, |(_, forced)| forced)),
             ended: self.ended.map(|(ended, _)| rounded(ended)),
+            ahead: None,
             is_trained: false,
         }
     }

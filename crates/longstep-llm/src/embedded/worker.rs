@@ -211,9 +211,19 @@ impl<'model> Worker<'model> {
         let mut matcher = matcher;
         let mut finish = self.write(matcher.as_mut(), most, &mut written, &mut forks, tell)?;
         let mut generated = written.tokens.len();
-        if let Some(matcher) = matcher.as_mut().filter(|_| request.task == Task::Goals && pictures.is_empty()) {
-            let mut search = Search { matcher, most, forks, begin: prompt.tokens.len() };
-            generated += self.search(&mut search, &mut written, &mut finish, tell)?;
+        let mut ahead = None;
+        if let Some(matcher) = matcher
+            .as_mut()
+            .filter(|_| request.task == Task::Goals && pictures.is_empty())
+        {
+            let mut search = Search {
+                matcher,
+                most,
+                forks,
+                begin: prompt.tokens.len(),
+            };
+            let found = self.search(&mut search, &mut written, &mut finish, tell)?;
+            (generated, ahead) = (generated + found.generated, found.ahead);
         }
         let text = String::from_utf8_lossy(&written.bytes).into_owned();
         let usage = Usage {
@@ -240,6 +250,7 @@ impl<'model> Worker<'model> {
             usage,
             likelihood: is_scored.then(|| Likelihood {
                 is_trained: self.contexts.is_adapted(),
+                ahead,
                 ..written.score.likelihood()
             }),
         })
@@ -384,7 +395,7 @@ impl<'model> Worker<'model> {
     }
 
     /// Looks for an answer that is likelier than the one that was written token by token: under a grammar, the likeliest next token can
-    /// begin what the model would never have said. Returns the number of tokens that this took.
+    /// begin what the model would never have said. An answer that is likely by itself is left as it is.
     ///
     /// An answer is no likelier than its beginning, so the search goes on from the likeliest other beginning, as long as that is likelier
     /// than the answer so far.
@@ -394,18 +405,23 @@ impl<'model> Worker<'model> {
         best: &mut Written,
         finish: &mut Finish,
         tell: &mut Tell<'_>,
-    ) -> Result<usize, ModelError> {
-        let mut generated = 0;
+    ) -> Result<Found, ModelError> {
+        let mut found = Found::default();
+        // The likelihood of the likeliest other answer.
+        let mut other = f64::NEG_INFINITY;
+        if best.score.total() > SURE || *finish != Finish::Stop {
+            return Ok(found);
+        }
         for _ in 0..TRIES {
             let least = best.score.total();
             let likeliest = search.forks.iter().enumerate();
             let likeliest = likeliest.max_by(|(_, one), (_, other)| one.likelihood.total_cmp(&other.likelihood));
-            let Some(place) = likeliest.filter(|(_, fork)| fork.likelihood > least).map(|(place, _)| place) else {
+            let Some(place) = likeliest
+                .filter(|(_, fork)| fork.likelihood > least)
+                .map(|(place, _)| place)
+            else {
                 break;
             };
-            if least > SURE {
-                break;
-            }
             let fork = search.forks.swap_remove(place);
             let engine = self.contexts.engine_mut();
             let begin = search.begin + fork.written.tokens.len();
@@ -413,8 +429,16 @@ impl<'model> Worker<'model> {
                 // A model whose memory cannot be cut.
                 break;
             }
-            let taken: Vec<u32> = fork.written.tokens.iter().map(|token| token.0.cast_unsigned()).collect();
-            let reset = search.matcher.reset().and_then(|()| search.matcher.try_consume_tokens(&taken));
+            let taken: Vec<u32> = fork
+                .written
+                .tokens
+                .iter()
+                .map(|token| token.0.cast_unsigned())
+                .collect();
+            let reset = search
+                .matcher
+                .reset()
+                .and_then(|()| search.matcher.try_consume_tokens(&taken));
             if !reset.is_ok_and(|count| count == taken.len()) {
                 break;
             }
@@ -425,12 +449,22 @@ impl<'model> Worker<'model> {
                 Some(ended) => ended,
                 None => self.write(Some(search.matcher), most, &mut written, &mut search.forks, tell)?,
             };
-            generated += written.tokens.len() - taken.len();
-            if ended == Finish::Stop && written.score.total() > best.score.total() {
-                (*best, *finish) = (written, ended);
+            found.generated += written.tokens.len() - taken.len();
+            if ended == Finish::Stop {
+                let (one, two) = (written.score.total(), best.score.total());
+                other = other.max(one.min(two));
+                if one > two {
+                    *best = written;
+                }
             }
         }
-        Ok(generated)
+        // What was not looked at is no likelier than its beginning.
+        let rest = search.forks.iter().map(|fork| fork.likelihood);
+        let other = rest.fold(other, f64::max);
+        #[expect(clippy::cast_possible_truncation, reason = "far from the bounds")]
+        let ahead = ((best.score.total() - other) * 1000.0).round() as i64;
+        found.ahead = Some(ahead);
+        Ok(found)
     }
 
     /// Samples the next token, and counts it in the score if there is a grammar. Returns what else could have been chosen.
@@ -517,10 +551,19 @@ fn ends(model: &LlamaModel) -> Vec<usize> {
 }
 
 /// Maximum number of further answers that are looked for.
-const TRIES: usize = 4;
+const TRIES: usize = 6;
 
 /// The likelihood of an answer, in nats, above which no other one is looked for.
 const SURE: f64 = -0.5;
+
+/// What a search found.
+#[derive(Default)]
+struct Found {
+    /// The number of tokens that it took.
+    generated: usize,
+    /// By how many thousandths of a nat the answer is likelier than every other one, at least.
+    ahead: Option<i64>,
+}
 
 /// The search for a likelier answer.
 struct Search<'a> {

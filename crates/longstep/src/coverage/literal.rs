@@ -57,7 +57,9 @@ pub(super) fn is_represented(world: &World, instruction: &str, part: &Range<usiz
 
 /// Returns true if a number is the label of an entity: "the tray from 22" names a room.
 fn is_label(world: &World, number: &str) -> bool {
-    world.entities().any(|(_, entity)| !entity.is_value && label(&entity.identifier) == number)
+    world
+        .entities()
+        .any(|(_, entity)| !entity.is_value && label(&entity.identifier) == number)
 }
 
 /// Returns true if one of these texts in lower case contains another one, in any case.

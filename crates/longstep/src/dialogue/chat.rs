@@ -147,6 +147,9 @@ pub struct Likelihood {
     /// The text up to the last place before its end where it could have ended, with that end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ended: Option<i64>,
+    /// By how much the text is likelier than every other one that the grammar allows, at least; none if no other one was looked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ahead: Option<i64>,
     /// True if the model was trained for the [`Task`]: it is sure of most of its answers then, and an answer of which it is
     /// not is more often wrong.
     #[serde(default, skip_serializing_if = "is_false")]

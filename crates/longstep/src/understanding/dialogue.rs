@@ -233,10 +233,9 @@ impl Understanding {
             Some(own) if own.is_trained => Profile::TRAINED,
             Some(_) => Profile::UNTRAINED,
         };
-        let decision = profile.decide(
-            has_asked || read.goal.is_none(),
-            likelihood.filter(|_| read.goal.is_some()),
-        );
+        let ahead = reply.likelihood.and_then(|own| own.ahead);
+        let likelihood = likelihood.filter(|_| read.goal.is_some());
+        let decision = profile.decide(has_asked || read.goal.is_none(), likelihood, ahead);
         Ok(Some(self.interpreted(read, profile, decision, String::new())))
     }
 
@@ -264,7 +263,7 @@ impl Understanding {
         let left_out = written.left_out.into_iter().flatten();
         read.left_out.extend(left_out.map(LeftOut::from));
         self.candidates.push(Candidate::new(goal, None));
-        let decision = Profile::BELIEVED.decide(!asked.is_empty(), None);
+        let decision = Profile::BELIEVED.decide(!asked.is_empty(), None, None);
         Ok(self.interpreted(read, Profile::BELIEVED, decision, asked))
     }
 
@@ -280,7 +279,7 @@ impl Understanding {
         let decision = if which.is_some() { Decision::AskWhich } else { decision };
         let (goal, question) = match decision {
             Decision::AskWhich => (None, which),
-            Decision::Act | Decision::ActInsteadOfAsking => (goal, None),
+            Decision::Act | Decision::ActOnOnly | Decision::ActInsteadOfAsking => (goal, None),
             Decision::Ask if !asked.is_empty() => (goal, Some(asked)),
             Decision::Ask | Decision::AskForUnlikely => {
                 let question = Question::about(&self.world, &self.mentions, goal);

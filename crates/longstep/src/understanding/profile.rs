@@ -11,6 +11,8 @@ pub struct Profile {
     pub name: &'static str,
     /// The likelihood below which a goal is a question; none for a model that is believed.
     pub goal: Option<i64>,
+    /// The likelihood below which a goal is a question although no other answer is nearly as likely: by `ahead`.
+    pub goal_ahead: Option<i64>,
     /// The likelihood above which the best goal is acted on although the model would ask.
     pub instead_of_question: Option<i64>,
     /// True if the person is asked which one is meant where the words name several things that the goal could be about.
@@ -22,6 +24,7 @@ impl Profile {
     pub const TRAINED: Self = Self {
         name: "trained",
         goal: Some(-700),
+        goal_ahead: Some(-4000),
         instead_of_question: Some(-700),
         asks_which: false,
     };
@@ -29,6 +32,7 @@ impl Profile {
     pub const UNTRAINED: Self = Self {
         name: "untrained",
         goal: Some(-1500),
+        goal_ahead: None,
         instead_of_question: None,
         asks_which: true,
     };
@@ -36,6 +40,7 @@ impl Profile {
     pub const BELIEVED: Self = Self {
         name: "believed",
         goal: None,
+        goal_ahead: None,
         instead_of_question: None,
         asks_which: false,
     };
@@ -48,6 +53,8 @@ pub enum Decision {
     /// The goal is likely enough, or the model is believed.
     #[default]
     Act,
+    /// The goal is not likely, and no other one is nearly as likely.
+    ActOnOnly,
     /// The model would ask, and its best goal is likely enough.
     ActInsteadOfAsking,
     /// The goal is not likely enough.
@@ -61,7 +68,7 @@ pub enum Decision {
 impl Decision {
     /// Returns true if the goal is acted on.
     pub fn acts(self) -> bool {
-        matches!(self, Self::Act | Self::ActInsteadOfAsking)
+        matches!(self, Self::Act | Self::ActOnOnly | Self::ActInsteadOfAsking)
     }
 }
 
@@ -70,29 +77,38 @@ impl Profile {
     pub(super) fn limit(&self, decision: Decision) -> Option<f64> {
         match decision {
             Decision::Act | Decision::AskForUnlikely => self.goal,
+            Decision::ActOnOnly => self.goal_ahead,
             Decision::ActInsteadOfAsking | Decision::Ask => self.instead_of_question,
             Decision::AskWhich => None,
         }
         .map(nats)
     }
 
-    /// Decides about an answer: `question` says that the model would ask, `likelihood` is that of its best goal.
-    pub fn decide(&self, question: bool, likelihood: Option<i64>) -> Decision {
+    /// Decides about an answer: `question` says that the model would ask, `likelihood` is that of its best goal, and `ahead` by how much it is
+    /// likelier than every other answer.
+    pub fn decide(&self, question: bool, likelihood: Option<i64>, ahead: Option<i64>) -> Decision {
         let reaches = |limit: Option<i64>| match (limit, likelihood) {
             (Some(limit), Some(likelihood)) => likelihood >= limit,
-            (Some(_), None) => false,
-            (None, _) => true,
+            _ => false,
         };
-        match question {
-            true if self.instead_of_question.is_some() && reaches(self.instead_of_question) => {
-                Decision::ActInsteadOfAsking
-            }
-            true => Decision::Ask,
-            false if self.goal.is_none() || likelihood.is_none() || reaches(self.goal) => Decision::Act,
+        if question {
+            return match reaches(self.instead_of_question) {
+                true => Decision::ActInsteadOfAsking,
+                false => Decision::Ask,
+            };
+        }
+        let is_alone = ahead.is_some_and(|ahead| ahead >= AHEAD);
+        match self.goal.is_none() || likelihood.is_none() || reaches(self.goal) {
+            true => Decision::Act,
+            false if is_alone && reaches(self.goal_ahead) => Decision::ActOnOnly,
             false => Decision::AskForUnlikely,
         }
     }
 }
+
+/// The distance to every other answer, in thousandths of a nat, from which on an answer is the only one. The words of a goal
+/// that a grammar allows can be others than those that the model would choose.
+const AHEAD: i64 = 1500;
 
 #[cfg(test)]
 mod tests {
@@ -100,17 +116,31 @@ mod tests {
 
     #[test]
     fn every_answer_has_its_row() {
-        for (profile, question, likelihood, expected) in [
-            (Profile::TRAINED, false, Some(-10), Decision::Act),
-            (Profile::TRAINED, false, Some(-5000), Decision::AskForUnlikely),
-            (Profile::TRAINED, true, Some(-10), Decision::ActInsteadOfAsking),
-            (Profile::TRAINED, true, Some(-5000), Decision::Ask),
-            (Profile::TRAINED, true, None, Decision::Ask),
-            (Profile::UNTRAINED, true, Some(-10), Decision::Ask),
-            (Profile::BELIEVED, false, None, Decision::Act),
-            (Profile::BELIEVED, true, None, Decision::Ask),
+        let near = Some(200);
+        for (profile, question, likelihood, ahead, expected) in [
+            (Profile::TRAINED, false, Some(-10), None, Decision::Act),
+            (Profile::TRAINED, false, Some(-3000), near, Decision::AskForUnlikely),
+            (Profile::TRAINED, false, Some(-3000), Some(2000), Decision::ActOnOnly),
+            (
+                Profile::TRAINED,
+                false,
+                Some(-9000),
+                Some(2000),
+                Decision::AskForUnlikely,
+            ),
+            (Profile::TRAINED, true, Some(-10), None, Decision::ActInsteadOfAsking),
+            (Profile::TRAINED, true, Some(-5000), Some(2000), Decision::Ask),
+            (Profile::TRAINED, true, None, None, Decision::Ask),
+            (Profile::UNTRAINED, true, Some(-10), None, Decision::Ask),
+            (Profile::BELIEVED, false, None, None, Decision::Act),
+            (Profile::BELIEVED, true, None, None, Decision::Ask),
         ] {
-            assert_eq!(profile.decide(question, likelihood), expected, "{}", profile.name);
+            assert_eq!(
+                profile.decide(question, likelihood, ahead),
+                expected,
+                "{}",
+                profile.name
+            );
         }
     }
 }
