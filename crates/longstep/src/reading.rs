@@ -2,13 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::understanding::Decision;
-
 /// A reading of words by a model, with the answers that were looked at.
 ///
 /// ```
-/// use longstep::dialogue::{Candidate, Reading};
-/// use longstep::understanding::Decision;
+/// use longstep::dialogue::{Candidate, Decision, Reading};
 /// let reading = Reading {
 ///     words: "tidy the pen".to_owned(),
 ///     candidates: vec![Candidate { text: "put(pen, desk)".to_owned(), likelihood: Some(-5.5), chosen: true }],
@@ -28,7 +25,7 @@ pub struct Reading {
     pub words: String,
     /// The answers of the model, in the order in which they were made.
     pub candidates: Vec<Candidate>,
-    /// The name of the [`Profile`](crate::understanding::Profile) that decided.
+    /// The name of the profile that decided.
     #[serde(default)]
     pub profile: String,
     /// Its row that decided.
@@ -37,6 +34,32 @@ pub struct Reading {
     /// The limit in that row: the natural logarithm of a probability; none if likelihoods decide nothing there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
+}
+
+/// The row of the table that decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Decision {
+    /// The goal is likely enough, or the model is believed.
+    #[default]
+    Act,
+    /// The goal is not likely, and no other one is nearly as likely.
+    ActOnOnly,
+    /// The model would ask, and its best goal is likely enough.
+    ActInsteadOfAsking,
+    /// The goal is not likely enough.
+    AskForUnlikely,
+    /// The model asks.
+    Ask,
+    /// Several things fit the words.
+    AskWhich,
+}
+
+impl Decision {
+    /// Returns true if the goal is acted on.
+    pub fn acts(self) -> bool {
+        matches!(self, Self::Act | Self::ActOnOnly | Self::ActInsteadOfAsking)
+    }
 }
 
 /// An answer of a model.

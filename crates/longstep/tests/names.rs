@@ -1,7 +1,7 @@
 //! Names as people see them: shared names, given names, labels, scripts, the speaker, and types of an environment.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
-use longstep::dialogue::{ConstraintKind, Dialogue, Reply};
+use longstep::dialogue::{ConstraintKind, Dialogue, Likelihood, Reply};
 use longstep::goal::parse;
 use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::domain::{self, Domain, Files};
@@ -137,8 +137,15 @@ fn check_instructions(environment: &str, rows: &[(&str, &str, &str)]) {
     let world = world(environment);
     for (instruction, goal, expected) in rows {
         let domain = yard().into();
-        let input = UnderstandingInput::new(&domain, &world, instruction, ConstraintKind::JsonSchema);
-        let reply = Reply::complete(serde_json::json!({"goal": goal}).to_string());
+        let input = UnderstandingInput::new(&domain, &world, instruction, ConstraintKind::Grammar);
+        let sure = Likelihood {
+            text: -10,
+            ..Likelihood::default()
+        };
+        let reply = Reply {
+            likelihood: Some(sure),
+            ..Reply::complete(*goal)
+        };
         let meant = Understanding::new(input).supply(&reply).unwrap().unwrap();
         let found = meant.question.unwrap_or_else(|| meant.goal.unwrap().text(&world));
         assert_eq!(found, *expected, "{instruction}");

@@ -29,37 +29,41 @@ pub(super) fn gaps(world: &World, instruction: &str, goal: &Goal, mentions: &Men
     let quoted = quoted.filter(unknown).map(|range| (range, Gap::Message));
     let numbers = numbers(instruction).into_iter().filter(|range| !mentions.cover(range));
     let numbers = numbers
-        .filter(|range| !is_represented(world, instruction, range, goal))
+        .filter(|range| !is_represented(world, instruction, range, goal, mentions))
         .map(|range| (range, Gap::Amount));
     quoted.chain(numbers).collect()
 }
 
-/// Returns true if a part of the instruction has numbers in digits, and the goal contains all of them: in a name, as
-/// the label of one of its entities, or as the number of its parts.
-pub(super) fn is_represented(world: &World, instruction: &str, part: &Range<usize>, goal: &Goal) -> bool {
-    let known: Vec<String> = texts(world, goal)
+/// Returns true if the goal contains a number: in a name, as the number of its parts, or as the label of a thing that it is about.
+fn is_represented(world: &World, instruction: &str, range: &Range<usize>, goal: &Goal, mentions: &Mentions) -> bool {
+    let number = &instruction[range.clone()];
+    let known = texts(world, goal);
+    let is_known = known
         .iter()
-        .flat_map(|known| numbers(known).into_iter().map(|range| known[range].to_owned()))
-        .collect();
-    let counts = counts(world, goal);
-    let is_known = |number: &str| {
-        known.iter().any(|known| known == number) || number.parse().is_ok_and(|count: usize| counts.contains(&count))
-    };
-    let digits: Vec<Range<usize>> = numbers(&instruction[part.clone()])
-        .into_iter()
-        .map(|range| part.start + range.start..part.start + range.end)
-        .collect();
-    !digits.is_empty()
-        && digits
-            .iter()
-            .all(|range| is_known(&instruction[range.clone()]) || is_label(world, &instruction[range.clone()]))
+        .any(|known| numbers(known).into_iter().any(|range| &known[range] == number));
+    is_known
+        || number
+            .parse()
+            .is_ok_and(|count: usize| counts(world, goal).contains(&count))
+        || is_label(world, instruction, range, goal, mentions)
 }
 
-/// Returns true if a number is the label of an entity: "the tray from 22" names a room.
-fn is_label(world: &World, number: &str) -> bool {
+/// Returns true if a number is the label of a thing that the goal is about, or that such a thing is at: "the tray from 22" names a
+/// room. What is named in full elsewhere needs no number.
+fn is_label(world: &World, instruction: &str, range: &Range<usize>, goal: &Goal, mentions: &Mentions) -> bool {
+    let asked = entities(world, goal);
+    let is_near = |entity: EntityId| {
+        asked.contains(&entity)
+            || world.state.iter().any(|fact| {
+                let arity = world.domain().predicate(fact.predicate()).parameters.len();
+                let has = |entity: EntityId| (0..arity).any(|place| fact.argument(place) == entity);
+                has(entity) && asked.iter().any(|asked| has(*asked))
+            })
+    };
     world
         .entities()
-        .any(|(_, entity)| !entity.is_value && label(&entity.identifier) == number)
+        .filter(|(_, entity)| !entity.is_value && label(&entity.identifier) == instruction[range.clone()])
+        .any(|(id, _)| is_near(id) && !mentions.contain_elsewhere(id, instruction, range.start))
 }
 
 /// Returns true if one of these texts in lower case contains another one, in any case.

@@ -18,7 +18,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::environment::{EntityId, World};
 use crate::goal::{Goal, Group};
-use crate::understanding::LeftOut;
 use names::Mentions;
 
 /// The kind of a part that the goal does not represent. It decides whether the part is a question or a note.
@@ -89,6 +88,15 @@ impl Gap {
     pub fn is_question(self) -> bool {
         !matches!(self, Self::Time | Self::Manner | Self::Reason)
     }
+}
+
+/// Words of an instruction that the goal does not say.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct LeftOut {
+    /// The words, as they were said.
+    pub text: String,
+    /// Their kind.
+    pub kind: Gap,
 }
 
 /// The role of a part.

@@ -66,6 +66,18 @@ impl Mentions {
         self.0.iter().any(covers)
     }
 
+    /// Returns true if an entity is named, and not right before `place` ("cart" before "7").
+    pub(super) fn contain_elsewhere(&self, entity: EntityId, instruction: &str, place: usize) -> bool {
+        let is_before = |end: usize| {
+            instruction
+                .get(end..place)
+                .is_some_and(|between| between.trim().is_empty())
+        };
+        self.0
+            .iter()
+            .any(|mention| mention.entities.contains(&entity) && !is_before(mention.range.end))
+    }
+
     /// Returns the entities that are named within a range.
     pub(super) fn within(&self, range: &Range<usize>) -> impl Iterator<Item = EntityId> {
         let inside = |mention: &&Mention| range.start <= mention.range.start && mention.range.end <= range.end;

@@ -32,7 +32,7 @@ mod worked;
 
 pub use crate::model::{Example, PartTexts, Prompts};
 pub(crate) use crate::reading::nats;
-pub use crate::reading::{Candidate, Reading};
+pub use crate::reading::{Candidate, Decision, Reading};
 pub use crate::usage::Usage;
 pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
 pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Likelihood, Message, Reply, Role, Round, Task};

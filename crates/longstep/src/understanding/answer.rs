@@ -7,7 +7,7 @@ use longstep_core::model::written_fact;
 
 use super::request::other_predicates;
 use super::sayable;
-use crate::coverage::Gap;
+use crate::coverage::{Gap, LeftOut};
 use crate::dialogue::DialogueError;
 use crate::dialogue::answer_grammar::Form;
 use crate::environment::{EntityId, World};
@@ -30,15 +30,6 @@ const NUMBER: &str = "-?[0-9]{1,6}(\\.[0-9]{1,3})?";
 const LISTED: usize = 4;
 /// The beginning of an answer that asks the person.
 const QUESTION: &str = "question:";
-
-/// Words of an instruction that the goal does not say.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct LeftOut {
-    /// The words, as they were said.
-    pub text: String,
-    /// Their kind.
-    pub kind: Gap,
-}
 
 /// An answer to an instruction.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -3,15 +3,15 @@
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::answer::{self, Answer, LeftOut};
+use super::answer::{self, Answer};
 use super::interpretation::Interpretation;
-use super::profile::{Decision, Profile};
+use super::profile::Profile;
 use super::question::{Question, which};
 use super::request;
-use crate::coverage::Gap;
+use crate::coverage::{Gap, LeftOut};
 use crate::dialogue::answer_grammar::closed;
 use crate::dialogue::{
-    Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, PartCost, Reading, Reply, Round, Task,
+    Candidate, ChatRequest, ConstraintKind, Decision, Dialogue, DialogueError, PartCost, Reading, Reply, Round, Task,
     TokenCounter, Transcript, object, plain_line,
 };
 use crate::effort;

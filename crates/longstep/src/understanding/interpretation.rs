@@ -1,6 +1,6 @@
 //! What an instruction means.
 
-use super::answer::LeftOut;
+use crate::coverage::LeftOut;
 use crate::dialogue::Reading;
 use crate::environment::World;
 use crate::goal::Goal;

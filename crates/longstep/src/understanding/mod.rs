@@ -15,8 +15,7 @@ mod sayable;
 #[cfg(test)]
 mod tests;
 
-pub use answer::LeftOut;
 pub use dialogue::{Understanding, UnderstandingInput};
 pub use fitted::FittedUnderstanding;
 pub use interpretation::Interpretation;
-pub use profile::{Decision, Profile};
+pub use profile::Profile;

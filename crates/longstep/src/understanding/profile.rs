@@ -1,8 +1,7 @@
 //! When an answer of a model is acted on, and when the person is asked: one table.
 
-use serde::{Deserialize, Serialize};
-
 use crate::dialogue::nats;
+use crate::reading::Decision;
 
 /// What is known about a model's answers, and the limits that follow. Likelihoods are in thousandths of a nat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,32 +43,6 @@ impl Profile {
         instead_of_question: None,
         asks_which: false,
     };
-}
-
-/// The row of the table that decided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Decision {
-    /// The goal is likely enough, or the model is believed.
-    #[default]
-    Act,
-    /// The goal is not likely, and no other one is nearly as likely.
-    ActOnOnly,
-    /// The model would ask, and its best goal is likely enough.
-    ActInsteadOfAsking,
-    /// The goal is not likely enough.
-    AskForUnlikely,
-    /// The model asks.
-    Ask,
-    /// Several things fit the words.
-    AskWhich,
-}
-
-impl Decision {
-    /// Returns true if the goal is acted on.
-    pub fn acts(self) -> bool {
-        matches!(self, Self::Act | Self::ActOnOnly | Self::ActInsteadOfAsking)
-    }
 }
 
 impl Profile {
