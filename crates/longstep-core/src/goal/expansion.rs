@@ -362,11 +362,12 @@ impl<'t> Places<'t> {
         self.groups.iter().any(|group| group.is_of_type(world.domain()))
     }
 
-    /// Refuses `all` of a name if the goal leaves a member out: none may be forgotten.
+    /// Refuses `all` of a name, and a list of names, if the goal leaves a member out: none may be forgotten.
     fn require_all<T>(&self, world: &World, leaves: &Leaves<T>) -> Result<(), GoalError> {
         let domain = world.domain();
         for (place, group) in self.groups.iter().enumerate() {
-            if group.quantifier != Quantifier::All || group.is_of_type(domain) {
+            let is_required = group.quantifier == Quantifier::All || group.is_listed();
+            if !is_required || group.is_of_type(domain) {
                 continue;
             }
             let fits = |member: &EntityId| {

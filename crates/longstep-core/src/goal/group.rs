@@ -238,6 +238,11 @@ impl Group {
         matches!(&self.noun, Noun::Kind(kind) if type_of(domain, kind).is_some())
     }
 
+    /// Returns true if its members were named one by one.
+    pub(super) fn is_listed(&self) -> bool {
+        matches!(self.noun, Noun::Named(_))
+    }
+
     /// Returns the group with a selection of its members.
     pub(super) fn with_members(&self, members: Vec<EntityId>) -> Self {
         Self {

@@ -114,7 +114,7 @@ fn composed(world: &World, offered: &[String]) -> Vec<String> {
         format!("never {}", in_place("_")),
         format!("never {}", in_place("any thing")),
     ];
-    for other in names.iter().rev().filter(|other| **other != name).take(2) {
+    for other in names.iter().rev().filter(|other| !first.contains(**other)).take(2) {
         texts.push(in_place(&format!("any of ({name}, {other})")));
     }
     texts.retain(|text| {

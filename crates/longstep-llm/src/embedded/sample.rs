@@ -149,19 +149,13 @@ mod tests {
 pub(super) struct Score {
     text: f64,
     forced: f64,
-    /// The sums at the last place where the text could have ended: of the text with that end, and of the forced tokens.
-    ended: Option<(f64, f64)>,
 }
 
 impl Score {
-    /// Counts a sampled token. `end` is the token that would have ended the text here, if one may.
-    pub(super) fn count(&mut self, logits: &[f32], chosen: Option<usize>, end: Option<usize>) {
-        let all = log_sum(logits);
-        let probability = |index: usize| logits.get(index).map(|logit| f64::from(*logit) - all);
-        if let Some(end) = end.filter(|_| chosen != end) {
-            self.ended = probability(end).map(|end| (self.text + end, self.forced));
-        }
-        self.text += chosen.and_then(probability).unwrap_or_default();
+    /// Counts a sampled token.
+    pub(super) fn count(&mut self, logits: &[f32], chosen: Option<usize>) {
+        let logit = chosen.and_then(|index| logits.get(index));
+        self.text += logit.map_or(0.0, |logit| f64::from(*logit) - log_sum(logits));
     }
 
     /// Counts a token that the grammar forces.
@@ -181,8 +175,6 @@ impl Score {
         let rounded = |score: f64| (score * 1000.0).round() as i64;
         Likelihood {
             text: rounded(self.text),
-            forced: rounded(self.ended.map_or(self.forced, |(_, forced)| forced)),
-            ended: self.ended.map(|(ended, _)| rounded(ended)),
             ahead: None,
             is_trained: false,
         }

@@ -116,8 +116,6 @@ struct Worker<'model> {
     template: Template,
     grammars: Grammars,
     sampler: Sampler,
-    /// The tokens that end an answer, as indices of the vocabulary.
-    ends: Vec<usize>,
     limit: usize,
     last: Option<Turn>,
 }
@@ -148,7 +146,6 @@ impl<'model> Worker<'model> {
             template: Template::of(model)?,
             grammars: Grammars::new(model)?,
             sampler: Sampler::new(&setting.sampling),
-            ends: ends(model),
             limit: size as usize,
             last: None,
         })
@@ -485,9 +482,6 @@ impl<'model> Worker<'model> {
                 let chosen = self
                     .sampler
                     .choose(logits, |consider| allowed.iter_set_entries(consider));
-                let ends = self.ends.iter().copied();
-                let ends = ends.filter(|end| u32::try_from(*end).is_ok_and(|end| allowed.is_allowed(end)));
-                let end = ends.max_by(|one, other| logits[*one].total_cmp(&logits[*other]));
                 let mut other: Option<usize> = None;
                 allowed.iter_set_entries(|index| {
                     let is_likelier = |known: usize| logits.get(index) > logits.get(known);
@@ -495,8 +489,8 @@ impl<'model> Worker<'model> {
                         other = Some(index);
                     }
                 });
-                fork = other.and_then(|other| Fork::new(written, logits, other, end));
-                written.score.count(logits, chosen, end);
+                fork = other.and_then(|other| Fork::new(written, logits, other));
+                written.score.count(logits, chosen);
                 chosen
             }
         };
@@ -543,13 +537,6 @@ fn follow(matcher: &mut Matcher, token: LlamaToken) -> Result<Vec<LlamaToken>, S
         .collect())
 }
 
-/// Returns the tokens that end an answer.
-fn ends(model: &LlamaModel) -> Vec<usize> {
-    let vocabulary = model.vocab();
-    let tokens = (0..model.n_vocab()).filter(|token| vocabulary.is_eog(LlamaToken(*token)));
-    tokens.filter_map(|token| usize::try_from(token).ok()).collect()
-}
-
 /// Maximum number of further answers that are looked for.
 const TRIES: usize = 6;
 
@@ -587,9 +574,9 @@ struct Fork {
 }
 
 impl Fork {
-    fn new(written: &Written, logits: &[f32], token: usize, end: Option<usize>) -> Option<Self> {
+    fn new(written: &Written, logits: &[f32], token: usize) -> Option<Self> {
         let mut score = written.score.clone();
-        score.count(logits, Some(token), end);
+        score.count(logits, Some(token));
         Some(Self {
             written: written.clone(),
             token: LlamaToken(i32::try_from(token).ok()?),

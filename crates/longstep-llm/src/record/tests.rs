@@ -30,8 +30,7 @@ impl ChatModel for Numbering {
             usage,
             likelihood: Some(Likelihood {
                 text: -700,
-                forced: -40,
-                ended: Some(-900),
+                ahead: Some(1600),
                 is_trained: true,
             }),
         })

@@ -141,12 +141,6 @@ impl Reply {
 pub struct Likelihood {
     /// The text, with its end if the model ended it, and without the tokens that the grammar forces.
     pub text: i64,
-    /// The tokens that the grammar forces, up to the last place where the text could have ended.
-    #[serde(default)]
-    pub forced: i64,
-    /// The text up to the last place before its end where it could have ended, with that end.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ended: Option<i64>,
     /// By how much the text is likelier than every other one that the grammar allows, at least; none if no other one was looked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ahead: Option<i64>,
