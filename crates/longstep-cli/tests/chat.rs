@@ -435,7 +435,7 @@ fn damaged_logs_are_mended_or_refused_and_never_made_worse() {
         ("empty", String::new(), false),
         ("half_a_line", first[..40].to_owned(), false),
         ("damaged", format!("{}\n", damaged.join("\n")), false),
-        ("newer", whole.replacen(r#""version":4"#, r#""version":99"#, 1), false),
+        ("newer", whole.replacen(r#""version":5"#, r#""version":99"#, 1), false),
         ("no_log", "hello\n".to_owned(), false),
     ];
     for (name, log, goes_on) in table {

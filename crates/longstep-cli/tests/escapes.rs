@@ -185,7 +185,10 @@ impl Files {
             );
         }
         let replies = |replies: Value| json!([{"case": "pen", "reply": replies}]).to_string();
-        self.write("asks_back.json", &replies(json!({"question": HOSTILE, "goals": []})));
+        self.write(
+            "asks_back.json",
+            &replies(json!({"goal": "", "left_out": [], "question": HOSTILE})),
+        );
         self.write("nonsense.json", &replies(json!(HOSTILE)));
         self.write(
             "no_replies.json",

@@ -21,9 +21,9 @@ expect = "question"
 "#;
 const DESK: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<cup>"],
     "object_states": {"<pen>": "on_something(<desk>)", "<cup>": "on_something(<desk>)"}}"#;
-const REPLIES: &str = r#"[{"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}},
-    {"case": "comb", "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
-    {"case": "comb", "trial": 2, "reply": {"question": "Which comb?", "goals": []}},
+const REPLIES: &str = r#"[{"case": "pen", "reply": {"goal": "put(pen, shelf)", "left_out": [], "question": ""}},
+    {"case": "comb", "reply": {"goal": "put(cup, shelf)", "left_out": [], "question": ""}},
+    {"case": "comb", "trial": 2, "reply": {"goal": "", "left_out": [], "question": "Which comb?"}},
     {"case": "pen", "trial": 2, "reply": "I would rather not."}]"#;
 
 /// A folder with a suite and replies for it.
@@ -95,8 +95,8 @@ fn measures_for_programs() {
     let output = longstep(folder.path(), &[&RUN[..], &["--json"]].concat());
     let object: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
     let summary = &object["summary"];
-    // Of the pen, the first trial; of the comb, both: a goal about something else leads to a question.
-    assert_eq!(summary["correct"], serde_json::json!({"hits": 3, "of": 4}));
+    // Of the pen, the first trial; of the comb, the question.
+    assert_eq!(summary["correct"], serde_json::json!({"hits": 2, "of": 4}));
     assert_eq!(summary["executable"], serde_json::json!({"hits": 1, "of": 2}));
     assert_eq!(object["run"]["trials"], 2);
 }

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 const GOAL: [&str; 5] = ["solve", "--goal", "put(juice, counter)", "--env", PANTRY];
 const DESK: &str =
     r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-const REPLIES: &str = r#"[{"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}}]"#;
+const REPLIES: &str = r#"[{"case": "pen", "reply": {"goal": "put(pen, shelf)", "left_out": [], "question": ""}}]"#;
 
 /// Longer than anything here takes.
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -43,7 +43,7 @@ fn without_key(output: &Output) -> (String, String) {
 #[test]
 fn a_server_s_goals_become_a_plan() {
     let server = Server::giving(vec![says(
-        r#"{"question": "", "goals": ["put(cereal, counter)"], "never": [], "not_represented": []}"#,
+        r#"{"goal": "put(cereal, counter)", "left_out": [], "question": ""}"#,
     )]);
     let output = plan(&server, "Put the cereal on the counter");
     let (stdout, stderr) = without_key(&output);
@@ -63,7 +63,7 @@ fn a_server_s_goals_become_a_plan() {
 #[test]
 fn a_server_s_question_is_passed_on() {
     let server = Server::giving(vec![says(
-        r#"{"question": "Which thing?", "goals": [], "never": [], "not_represented": []}"#,
+        r#"{"goal": "", "left_out": [], "question": "Which thing?"}"#,
     )]);
     let output = plan(&server, "do the thing");
     let (stdout, _) = without_key(&output);
@@ -74,40 +74,45 @@ fn a_server_s_question_is_passed_on() {
 
 #[test]
 fn a_server_that_answers_nonsense_is_told_of() {
-    let wrong = [
-        (
-            "Sure! I will put the cereal on the counter.",
-            "warning: the server ignored the schema: its answer has another form\n",
-        ),
-        (
-            r#"{"question": "", "goals": ["put(unicorn, counter)"], "never": [], "not_represented": []}"#,
-            "",
-        ),
-        (
-            r#"{"question": "", "goals": ["fly(cereal)"], "never": [], "not_represented": []}"#,
-            "",
-        ),
-    ];
-    for (content, warning) in wrong {
-        let server = Server::giving(vec![says(content), says(content)]);
+    let content = "Sure! I will put the cereal on the counter.";
+    let server = Server::giving(vec![says(content), says(content)]);
+    let output = plan(&server, "Put the cereal on the counter");
+    let (stdout, stderr) = without_key(&output);
+    assert_eq!(server.bodies().len(), 2);
+    let error: Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(
+        (output.status.code(), error["error"]["code"].as_i64()),
+        (Some(40), Some(40)),
+        "{stderr}"
+    );
+    let warning = "warning: the server ignored the schema: its answer has another form\n";
+    let told = stderr.strip_prefix(warning).unwrap_or_default();
+    assert!(told.starts_with("error: ") && told.contains("hint: "), "{stderr}");
+}
+
+/// What it says again after it was told that there is no such thing is a question.
+#[test]
+fn a_server_that_insists_on_nonsense_is_a_question() {
+    for (goal, expected) in [
+        ("put(unicorn, counter)", "`unicorn`"),
+        ("fly(cereal)", "`fly(cereal)` is not a goal"),
+    ] {
+        let content = json!({"goal": goal, "left_out": [], "question": ""}).to_string();
+        let server = Server::giving(vec![says(&content), says(&content)]);
         let output = plan(&server, "Put the cereal on the counter");
         let (stdout, stderr) = without_key(&output);
         assert_eq!(server.bodies().len(), 2);
-        let error: Value = serde_json::from_str(&stdout).unwrap();
-        assert_eq!(
-            (output.status.code(), error["error"]["code"].as_i64()),
-            (Some(40), Some(40)),
-            "{stderr}"
-        );
-        let told = stderr.strip_prefix(warning).unwrap_or_default();
-        assert!(told.starts_with("error: ") && told.contains("hint: "), "{stderr}");
+        let answer: Value = serde_json::from_str(&stdout).unwrap();
+        assert_eq!(output.status.code(), Some(13), "{stderr}");
+        let question = answer["plan"]["question"].as_str().unwrap();
+        assert!(question.contains(expected), "{question}");
     }
 }
 
 #[test]
 fn a_server_is_told_what_is_wrong_with_its_answer() {
-    let right = r#"{"question": "", "goals": ["put(cereal, counter)"], "never": [], "not_represented": []}"#;
-    let wrong = r#"{"question": "", "goals": ["put(unicorn, counter)"], "never": [], "not_represented": []}"#;
+    let right = r#"{"goal": "put(cereal, counter)", "left_out": [], "question": ""}"#;
+    let wrong = r#"{"goal": "put(unicorn, counter)", "left_out": [], "question": ""}"#;
     let server = Server::giving(vec![says(wrong), says(right)]);
     let output = plan(&server, "Put the cereal on the counter");
     let (stdout, stderr) = without_key(&output);

@@ -124,7 +124,7 @@ fn plans_are_compared_with_their_repair() {
 /// Checks the judgement of a model's goals.
 #[track_caller]
 fn check_goals(says: &str, expected: &str, goals: &[&str], correct: bool, failures: &[&str]) {
-    let reply = json!({"question": "", "goals": goals});
+    let reply = json!({"goal": goals.join(" & "), "left_out": [], "question": ""});
     let attempt = attempt(Strategy::Goal, says, expected, &reply);
     assert_eq!(
         (attempt.correct, kinds(&attempt)),
@@ -167,7 +167,7 @@ fn goals_are_compared_with_the_nearest_that_is_expected() {
 
 #[test]
 fn questions_are_right_where_they_are_expected() {
-    let asks = json!({"question": "Which one?", "goals": []});
+    let asks = json!({"goal": "", "left_out": [], "question": "Which one?"});
     let questioned = attempt(
         Strategy::Goal,
         "Put the mug on the sofa.",
@@ -194,7 +194,7 @@ fn questions_are_right_where_they_are_expected() {
         Strategy::Goal,
         "Put the mug on the sofa.",
         "expect = 'either'",
-        &json!({"question": "", "goals": ["put(mug, sofa)"]}),
+        &json!({"goal": "put(mug, sofa)", "left_out": [], "question": ""}),
     );
     assert_eq!((planned.correct, kinds(&planned)), (false, vec!["did not ask"]));
     let nonsense = attempt(
@@ -209,7 +209,7 @@ fn questions_are_right_where_they_are_expected() {
 #[test]
 fn nothing_is_done_where_that_is_expected() {
     let attempt = |goals: &[&str], question: &str| {
-        let reply = json!({"question": question, "goals": goals});
+        let reply = json!({"goal": goals.join(" & "), "left_out": [], "question": question});
         attempt(Strategy::Goal, "The tablelamp stays off.", "expect = 'nothing'", &reply)
     };
     for (goals, question, why) in [

@@ -23,7 +23,7 @@
 //! };
 //! let suite = suite::load(&files, &household)?;
 //! // A recorded reply of a model.
-//! let replies = r#"[{"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}}]"#;
+//! let replies = r#"[{"case": "pen", "reply": {"goal": "put(pen, shelf)", "left_out": [], "question": ""}}]"#;
 //! let mut recorded = Recorded::read(replies)?;
 //! let unit = run::Unit { case: &suite.cases[0], wording: PLAIN, trial: 1 };
 //! let model = recorded.model("pen", 1)?;

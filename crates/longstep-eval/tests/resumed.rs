@@ -35,16 +35,16 @@ expect = 'question'
 
 /// Two trials. In the second one another thing than the pen is spoken of, and the chain's first two replies are no replies.
 const REPLIES: &str = r#"[
-    {"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}},
-    {"case": "chain", "round": 0, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
-    {"case": "chain", "round": 1, "reply": {"question": "", "goals": ["put(cup, desk)"]}},
-    {"case": "comb", "reply": {"question": "Which comb?", "goals": []}},
-    {"case": "pen", "trial": 2, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
+    {"case": "pen", "reply": {"goal": "put(pen, shelf)", "left_out": [], "question": ""}},
+    {"case": "chain", "round": 0, "reply": {"goal": "put(cup, shelf)", "left_out": [], "question": ""}},
+    {"case": "chain", "round": 1, "reply": {"goal": "put(cup, desk)", "left_out": [], "question": ""}},
+    {"case": "comb", "reply": {"goal": "", "left_out": [], "question": "Which comb?"}},
+    {"case": "pen", "trial": 2, "reply": {"goal": "put(cup, shelf)", "left_out": [], "question": ""}},
     {"case": "chain", "trial": 2, "round": 0, "reply": "no idea"},
     {"case": "chain", "trial": 2, "round": 1, "reply": "no idea at all"},
-    {"case": "chain", "trial": 2, "round": 2, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
-    {"case": "chain", "trial": 2, "round": 3, "reply": {"question": "", "goals": ["put(cup, desk)"]}},
-    {"case": "comb", "trial": 2, "reply": {"question": "", "goals": ["put(cup, shelf)"]}}
+    {"case": "chain", "trial": 2, "round": 2, "reply": {"goal": "put(cup, shelf)", "left_out": [], "question": ""}},
+    {"case": "chain", "trial": 2, "round": 3, "reply": {"goal": "put(cup, desk)", "left_out": [], "question": ""}},
+    {"case": "comb", "trial": 2, "reply": {"goal": "put(cup, shelf)", "left_out": [], "question": ""}}
 ]"#;
 
 fn suite() -> (Arc<Domain>, Suite) {

@@ -39,12 +39,12 @@ pub enum Answer {
 
 /// A model that wants only this.
 pub fn goals(goals: &[&str]) -> Answer {
-    Answer::Says(json!({"question": "", "goals": goals, "never": [], "not_represented": []}).to_string())
+    Answer::Says(json!({"goal": goals.join(" & "), "left_out": [], "question": ""}).to_string())
 }
 
 /// A model that asks back.
 pub fn question(question: &str) -> Answer {
-    Answer::Says(json!({"question": question, "goals": [], "never": [], "not_represented": []}).to_string())
+    Answer::Says(json!({"goal": "", "left_out": [], "question": question}).to_string())
 }
 
 /// A model that changes the steps.

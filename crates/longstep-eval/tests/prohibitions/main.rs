@@ -186,7 +186,7 @@ fn the_goal_strategy_keeps_to_them() {
         }
         scene.answered(
             &mut session,
-            &serde_json::json!({"question": "", "goals": goals}).to_string(),
+            &serde_json::json!({"goal": goals.join(" & "), "left_out": [], "question": ""}).to_string(),
         );
         if let Response::Plan(proposal) = session.response() {
             scene.keeps(&proposal.plan, "goal strategy");

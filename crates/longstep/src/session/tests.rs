@@ -57,7 +57,7 @@ pub(super) fn reply(text: &str) -> Reply {
 }
 
 pub(super) fn goals(goals: &[&str]) -> String {
-    serde_json::json!({"question": "", "goals": goals}).to_string()
+    serde_json::json!({"goal": goals.join(" & "), "left_out": [], "question": ""}).to_string()
 }
 
 pub(super) fn edits(edits: &[&str]) -> String {
