@@ -118,7 +118,7 @@ impl Draft {
 
     /// Replaces the goal for which the plan was made.
     pub(crate) fn pursue(&mut self, text: &str) -> Result<()> {
-        self.world.add_values(text);
+        goal::add_values(&mut self.world, text);
         self.goal = Some(goal::parse(&self.world, text)?);
         Ok(())
     }

@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let domain = load_domain(domain_or_default(arguments.domain.as_ref()))?;
     let mut world = inputs::world(&domain, env, arguments.rules.as_deref())?;
     let text = goal;
-    world.add_values(text);
+    goal::add_values(&mut world, text);
     let goal = goal::parse(&world, text)?;
     if arguments.pddl {
         let name = env.file_stem().unwrap_or_default().to_string_lossy();

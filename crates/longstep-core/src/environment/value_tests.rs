@@ -23,7 +23,7 @@ const FLAT: &str = r#"{"assets": ["<thermostat>", "<oven>"], "objects": ["<pie>"
 
 fn flat(text: &str) -> World {
     let mut world = parse(&home(), "flat.json", FLAT).unwrap();
-    world.add_values(text);
+    goal::add_values(&mut world, text);
     world
 }
 
@@ -90,6 +90,33 @@ fn goals_with_values_are_solved_written_and_read_again() {
         "announced(\"soup & bread, (hot) then tea\") then set(thermostat, 18 degC)",
         &["Announce(\"soup & bread, (hot) then tea\")"],
     );
+}
+
+#[test]
+fn an_amount_may_be_relative_to_what_is_now() {
+    check_plan("set(thermostat, now + 2 degC)", &["Set(<thermostat>, 20 degC)"]);
+    let text = "set(all thermostat, now - 0.5)";
+    let world = flat(text);
+    let goal = goal::parse(&world, text).unwrap();
+    assert_eq!(goal.exact(&world), ["set(<thermostat>, 17.5 degC)"]);
+    check_plan("set(thermostat, now * 1.5)", &["Set(<thermostat>, 27 degC)"]);
+    for (text, expected) in [
+        (
+            "set(thermostat, now + 20 degC)",
+            "`38 degC` is more than `30 degC`, the limit for a temperature",
+        ),
+        (
+            "heated(pie, oven, now + 3 min)",
+            "`now + 3 min` in `heated(pie, oven, now + 3 min)` is relative to an amount that is not known",
+        ),
+        (
+            "set(thermostat, now + 2 min)",
+            "`now + 2 min` in `set(thermostat, now + 2 min)` is relative to an amount that is not known",
+        ),
+    ] {
+        let error = goal::parse(&flat(text), text).unwrap_err().to_string();
+        assert_eq!(error, expected, "{text}");
+    }
 }
 
 #[test]

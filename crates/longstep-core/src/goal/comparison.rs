@@ -1,5 +1,6 @@
 //! Goals about numbers: `level(tank) >= 3`, `battery >= 20`, `level(tank) < level(bucket)`.
 
+use super::relative::{self, Change};
 use super::{GoalError, GoalFact, names};
 use crate::call::Call;
 use crate::model::{
@@ -46,7 +47,7 @@ impl NumberGoal {
             return Ok(None);
         };
         let fluent = fluent(world, part, written.function, &written.call)?;
-        let operand = operand(world, part, written.function, written.right)?;
+        let operand = operand(world, part, fluent, written.right)?;
         Ok(Some(Self {
             fluent,
             comparison: written.comparison,
@@ -176,10 +177,17 @@ fn fluent(world: &World, part: &str, function: FunctionId, call: &Call) -> Resul
     Ok(Fluent::new(function, arguments))
 }
 
-/// Resolves the right side: a number, which may have the unit of the left side, or another fluent.
-fn operand(world: &World, part: &str, left: FunctionId, text: &str) -> Result<Operand, GoalError> {
+/// Resolves the right side: a number, which may have the unit of the left side, a change of what is now, or another fluent.
+fn operand(world: &World, part: &str, left: Fluent, text: &str) -> Result<Operand, GoalError> {
     let domain = world.domain();
-    let own = domain.function(left);
+    let own = domain.function(left.function());
+    if let Some(change) = Change::read(text) {
+        let unit = own.unit.as_deref().unwrap_or_default();
+        let changed = world.state.number(left).and_then(|now| change.of(now, unit));
+        return changed
+            .map(Operand::Number)
+            .ok_or_else(|| relative::unknown(part, text));
+    }
     let without_unit = own.unit.as_ref().and_then(|unit| text.strip_suffix(unit.as_str()));
     if let Some(number) = Number::parse(text).or_else(|| Number::parse(without_unit?.trim_end())) {
         return Ok(Operand::Number(number));

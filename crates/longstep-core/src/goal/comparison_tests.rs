@@ -318,3 +318,20 @@ fn problems_with_numbers_are_written_and_read_back() {
         other => panic!("{other:?}"),
     }
 }
+
+#[test]
+fn a_number_may_be_relative_to_what_is_now() {
+    let world = read(&environment_text("80", "0")).unwrap();
+    for (text, expected) in [
+        ("level(south tank) >= now + 2", "level(south tank) >= 5"),
+        ("level(south tank) >= now + 2 l", "level(south tank) >= 5"),
+        ("level(south tank) = now * 2", "level(south tank) = 6"),
+        ("battery <= now - 7.5", "battery() <= 72.5"),
+    ] {
+        assert_eq!(parse(&world, text).unwrap().everyday(&world), [expected]);
+    }
+    let error = parse(&world, "level(south tank) >= now + 2 km")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("`now + 2 km`"), "{error}");
+}

@@ -67,6 +67,14 @@ pub enum GoalError {
         /// The value.
         written: String,
     },
+    /// An amount relative to one that is not known.
+    #[error("`{text}` in `{part}` is relative to an amount that is not known")]
+    UnknownNow {
+        /// The part of the goal.
+        part: String,
+        /// The amount.
+        text: String,
+    },
     /// A name that several entities have.
     #[error("`{name}` in `{part}` is the name of several entities: {}; write one of these names", candidates.join(", "))]
     SharedName {

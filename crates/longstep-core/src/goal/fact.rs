@@ -1,7 +1,7 @@
 //! One fact of a goal, without groups and conditions.
 
 use super::names::entities;
-use super::{GoalError, GoalFact, NumberGoal};
+use super::{GoalError, GoalFact, NumberGoal, relative};
 use crate::call::{Call, find_unquoted};
 use crate::model::{Fact, FormPiece, GoalWord, GoalWordId, Predicate, PredicateId, TypeId, World, ground};
 
@@ -54,7 +54,12 @@ pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
     for (index, word) in domain.goal_words.iter().enumerate() {
         let Some(names) = read_form(word, part) else { continue };
         let kinds: Vec<TypeId> = word.parameters.iter().map(|parameter| parameter.kind).collect();
-        match entities(world, part, &names, &kinds) {
+        let resolved = relative::resolved(world, part, word, &names);
+        let named = resolved.and_then(|names| {
+            let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+            entities(world, part, &names, &kinds)
+        });
+        match named {
             Ok(arguments) => {
                 return Ok(GoalFact::Word {
                     word: GoalWordId::new(index),
@@ -73,6 +78,9 @@ pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
                 _ => {}
             },
         }
+    }
+    if let Some(own @ GoalError::UnknownNow { .. }) = error {
+        return Err(own);
     }
     if let Some(fact) = state(world, part)? {
         return Ok(GoalFact::Plain(fact));

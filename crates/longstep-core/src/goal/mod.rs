@@ -23,6 +23,7 @@ mod invariant;
 mod language;
 mod names;
 mod partial_answer;
+mod relative;
 mod stages;
 #[cfg(test)]
 mod tests;
@@ -37,6 +38,7 @@ pub use fact::read_form;
 pub use group::{Group, Quantifier};
 pub use language::{JOINT, QUESTION, STAGE, parse, rules};
 pub use partial_answer::{Begun, Next, ended};
+pub use relative::add_values;
 
 use expansion::Expansion;
 

@@ -260,12 +260,13 @@ impl<'a> Parts<'a> {
                 Some(Form::Row(vec![Form::text("\""), spans, Form::text("\"")]))
             }
             ValueForm::Quantity(form) => {
-                let number = Form::Pattern(NUMBER.to_owned());
+                let number = Form::Pattern(format!("(now [-+] )?{NUMBER}"));
                 let units = std::iter::once(&form.unit).chain(form.units.iter().map(|(unit, _)| unit));
                 let units = Form::texts(units.filter(|unit| !unit.is_empty()).map(|unit| format!(" {unit}")));
+                let twice = Form::Pattern(format!("now \\* {NUMBER}"));
                 Some(match form.unit.is_empty() {
-                    true => number,
-                    false => Form::Row(vec![number, units]),
+                    true => Form::Either(vec![number, twice]),
+                    false => Form::Either(vec![Form::Row(vec![number, units]), twice]),
                 })
             }
         }
@@ -398,7 +399,7 @@ impl<'a> Parts<'a> {
         parts.push(Form::text(if function.parameters.is_empty() { "()" } else { ")" }));
         let symbols = [" >= ", " <= ", " = ", " > ", " < "].map(str::to_owned);
         parts.push(Form::texts(symbols));
-        parts.push(Form::Pattern(NUMBER.to_owned()));
+        parts.push(Form::Pattern(format!("(now [-+*] )?{NUMBER}")));
         if let Some(unit) = &function.unit {
             parts.push(Form::text(format!(" {unit}")).optional());
         }

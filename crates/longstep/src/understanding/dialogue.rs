@@ -16,7 +16,7 @@ use crate::dialogue::{
 };
 use crate::effort;
 use crate::environment::World;
-use crate::goal::{GoalError, Mentions};
+use crate::goal::{self, GoalError, Mentions};
 use crate::model::Domain;
 
 /// The token budget of an answer under a grammar.
@@ -215,7 +215,7 @@ impl Understanding {
         let text = self.transcript.answer().trim().to_owned();
         let likelihood = reply.likelihood.map(|own| own.text);
         self.candidates.push(Candidate::new(text.clone(), likelihood));
-        self.world.add_values(&text);
+        goal::add_values(&mut self.world, &text);
         let read = match answer::read(&self.world, &text) {
             Ok(read) => read,
             // A group without a member, or what can never hold: the grammar does not look that far.
@@ -258,7 +258,7 @@ impl Understanding {
             self.candidates.push(Candidate::new(asked.clone(), None));
             return Ok(self.interpreted(Answer::default(), Profile::BELIEVED, Decision::Ask, asked));
         }
-        self.world.add_values(&goal);
+        goal::add_values(&mut self.world, &goal);
         let mut read = answer::read(&self.world, &goal)?;
         let left_out = written.left_out.into_iter().flatten();
         read.left_out.extend(left_out.map(LeftOut::from));
