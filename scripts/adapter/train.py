@@ -275,7 +275,11 @@ def packs(cases, size, chance):
 
 
 def save(path, model, rank, alpha, task):
-    """Writes the additions as llama.cpp reads them."""
+    """Writes the additions as llama.cpp reads them.
+
+    The thin matrix before the rank has rows of a whole input, so it is written in 8 bits (Q8_0: blocks of 32), a fifth of the file
+    less than in 16; the one after it has rows of the rank, shorter than a block, and stays in 16.
+    """
     writer = gguf.GGUFWriter(path, "qwen2")
     writer.add_string("general.type", "adapter")
     writer.add_string("longstep.task", task)
@@ -286,7 +290,9 @@ def save(path, model, rank, alpha, task):
             lora = maps[name]
             for part, value in (("a", lora.a), ("b", lora.b)):
                 plain = value.detach().to(torch.float16).cpu().numpy()
-                writer.add_tensor(f"blk.{block}.{name}.weight.lora_{part}", plain)
+                kind = gguf.GGMLQuantizationType.Q8_0 if part == "a" else gguf.GGMLQuantizationType.F16
+                written = gguf.quants.quantize(plain.astype(numpy.float32), kind)
+                writer.add_tensor(f"blk.{block}.{name}.weight.lora_{part}", written, raw_dtype=kind)
     writer.write_header_to_file()
     writer.write_kv_data_to_file()
     writer.write_tensors_to_file()
@@ -295,11 +301,12 @@ def save(path, model, rank, alpha, task):
 
 def load(path, model):
     """Begins with the additions of an adapter."""
-    tensors = {tensor.name: tensor.data for tensor in gguf.GGUFReader(path).tensors}
+    tensors = {tensor.name: gguf.quants.dequantize(tensor.data, tensor.tensor_type)
+               for tensor in gguf.GGUFReader(path).tensors}
     for block, maps in enumerate(model.maps):
         for name in MAPS:
             for part, value in (("a", maps[name].a), ("b", maps[name].b)):
-                plain = tensors[f"blk.{block}.{name}.weight.lora_{part}"].astype(numpy.float32)
+                plain = tensors[f"blk.{block}.{name}.weight.lora_{part}"]
                 value.data.copy_(torch.from_numpy(plain))
 
 
