@@ -116,6 +116,11 @@ impl Draft {
         })
     }
 
+    /// Returns the words of the instruction that the plan does not say.
+    pub(crate) fn not_in_plan(&self) -> &[String] {
+        &self.draft.file.not_in_plan
+    }
+
     /// Replaces the goal for which the plan was made.
     pub(crate) fn pursue(&mut self, text: &str) -> Result<()> {
         goal::add_values(&mut self.world, text);

@@ -54,7 +54,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
         Ok(begun) => begun,
         Err(code) => return Ok(code),
     };
-    let Begun { plan, aim } = begun;
+    let Begun { plan, aim, not_in_plan } = begun;
     let request = StopRequest::default();
     let _armed = armed(&request)?;
     let opened = open(named, plan.world(), arguments.execution.live, &request, Entry::New)?;
@@ -70,6 +70,10 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     };
     let log = RunLog::create(&path, &header)
         .map_err(|error| Failure::unreadable(error.to_string()).hint("name a new file with `--log RUN.jsonl`"))?;
+    if !not_in_plan.is_empty() {
+        let words: Vec<String> = not_in_plan.iter().map(|words| format!("\"{words}\"")).collect();
+        remark!("Not in the plan: {}", words.join(", "));
+    }
     carry_out(arguments, execution, opened, (log, &path), &request)
 }
 

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{PANTRY, Server, check_log, ended, goals, longstep, question};
+use common::{Answer, PANTRY, Server, check_log, ended, goals, longstep, question};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -144,6 +144,30 @@ fn an_instruction_runs_in_the_simulator() {
             assert!(!home.path().join("run.jsonl").exists(), "nothing has run");
         }
     }
+}
+
+#[test]
+fn words_that_a_saved_plan_does_not_say_are_told_before_it_runs() {
+    let home = TempDir::new().unwrap();
+    let answer = serde_json::json!({"goal": GOAL, "left_out": [{"text": "by noon", "kind": "time"}], "question": ""});
+    let server = Server::giving(vec![Answer::Says(answer.to_string())]);
+    let planned = longstep(home.path())
+        .args(["plan", "Put the butter on the counter and close the fridge by noon", "--env", PANTRY])
+        .args(["--model", &server.reference(), "--save"])
+        .arg(home.path().join("plan.json"))
+        .output()
+        .unwrap();
+    assert_eq!(planned.status.code(), Some(0), "{}", text(&planned.stderr));
+    let output = longstep(home.path())
+        .arg("run")
+        .arg(home.path().join("plan.json"))
+        .args(["--robot", "sim"])
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(50), "{}", text(&output.stderr));
+    let told = text(&output.stderr);
+    assert!(told.contains("Not in the plan: \"by noon\""), "{told}");
 }
 
 #[test]

@@ -26,6 +26,8 @@ use crate::{inputs, plan, solve};
 pub(super) struct Begun {
     pub(super) plan: VerifiedPlan,
     pub(super) aim: Aim,
+    /// The words of the instruction that the plan does not say.
+    pub(super) not_in_plan: Vec<String>,
 }
 
 /// Returns the plan to run, or the exit code where there is none.
@@ -49,7 +51,8 @@ fn of_file(arguments: &RunArguments, path: &Path) -> Result<Result<Begun, u8>> {
         draft.pursue(goal)?;
     }
     let aim = Aim::from(draft.goal());
-    Ok(draft.verified("run").map(|plan| Begun { plan, aim }))
+    let not_in_plan = draft.not_in_plan().to_vec();
+    Ok(draft.verified("run").map(|plan| Begun { plan, aim, not_in_plan }))
 }
 
 fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<Begun, u8>> {
@@ -75,7 +78,8 @@ fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<
         Response::Plan(proposal) => {
             let aim = aim_of(proposal.goal.as_ref(), session.world());
             let plan = proposal.plan.clone();
-            return Ok(Ok(Begun { plan, aim }));
+            let not_in_plan = proposal.answer.plan.not_in_plan.clone();
+            return Ok(Ok(Begun { plan, aim, not_in_plan }));
         }
         Response::Consent(proposal) => {
             let question = proposal.question.as_deref().unwrap_or_default();

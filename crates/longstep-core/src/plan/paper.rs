@@ -32,6 +32,9 @@ pub struct PlanFile {
     /// Clarification question from the planner; empty if the instruction was clear.
     #[serde(default)]
     pub question: String,
+    /// The words of the instruction that the plan does not say: a deadline, a manner, what was left out with consent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_in_plan: Vec<String>,
     /// The purpose for which the plan was made; none if it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub purpose: Option<PurposeFile>,
@@ -132,6 +135,7 @@ impl From<TaskCohesion> for PlanFile {
             endings: Vec::new(),
             instruction_summary: String::new(),
             question: String::new(),
+            not_in_plan: Vec::new(),
             purpose: None,
             domain: None,
         }

@@ -350,6 +350,7 @@ impl Answer {
                 endings: Vec::new(),
                 instruction_summary: summary.to_owned(),
                 question: question.to_owned(),
+                not_in_plan: Vec::new(),
                 purpose: None,
                 domain: None,
             },
@@ -499,6 +500,7 @@ impl Answer {
         };
         self.coverage = coverage.parts().iter().map(part).collect();
         self.not_represented = coverage.gaps().map(gap).collect();
+        self.plan.not_in_plan = self.not_represented.iter().map(|gap| gap.text.clone()).collect();
     }
 
     /// Returns the question in place of the plan that it is about: the goal and the coverage stay, the steps do not.
@@ -510,6 +512,7 @@ impl Answer {
             coverage: self.coverage.clone(),
             not_represented: self.not_represented.clone(),
             assumptions: self.assumptions.clone(),
+            readings: self.readings.clone(),
             usage: self.usage,
             timings_ms: self.timings_ms,
             ..Self::without_plan(Status::Question, world, summary, question)

@@ -18,6 +18,8 @@ pub struct Accepted {
     pub plan: VerifiedPlan,
     /// Its goal, if it has one.
     pub goal: Option<Goal>,
+    /// The words of the instruction that the plan does not say.
+    pub not_in_plan: Vec<String>,
 }
 
 impl Accepted {
@@ -32,6 +34,7 @@ impl Accepted {
             endings,
             instruction_summary: self.instruction.clone(),
             question: String::new(),
+            not_in_plan: self.not_in_plan.clone(),
             purpose: PurposeFile::new(&self.before, &self.goal_texts()),
             domain: None,
         }

@@ -423,6 +423,7 @@ impl Session {
             instruction,
             plan: proposal.plan,
             goal: proposal.goal,
+            not_in_plan: proposal.answer.plan.not_in_plan,
         };
         self.events.push(Event::Accept {
             number: self.accepted.len(),

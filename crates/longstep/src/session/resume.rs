@@ -187,6 +187,7 @@ impl Session {
             before: self.world.clone(),
             plan,
             goal,
+            not_in_plan: file.not_in_plan.clone(),
         });
         Ok(())
     }

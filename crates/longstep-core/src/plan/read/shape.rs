@@ -55,7 +55,7 @@ pub(super) fn plan(text: &str, node: &ValueNode, path: &Path, notes: &mut Notes)
     Shape { text, notes }.plan(node, path)
 }
 
-const PLAN_KEYS: [&str; 9] = [
+const PLAN_KEYS: [&str; 10] = [
     "task_cohesion",
     "python_script",
     "environment_before",
@@ -63,6 +63,7 @@ const PLAN_KEYS: [&str; 9] = [
     "endings",
     "instruction_summary",
     "question",
+    "not_in_plan",
     "purpose",
     "domain",
 ];
@@ -148,6 +149,7 @@ impl Shape<'_, '_> {
                 .field(&fields, "instruction_summary", Self::text)?
                 .unwrap_or_default(),
             question,
+            not_in_plan: self.field(&fields, "not_in_plan", Self::texts)?.unwrap_or_default(),
             purpose: self.field(&fields, "purpose", Self::purpose)?,
             domain: self.field(&fields, "domain", Self::domain)?,
         })
