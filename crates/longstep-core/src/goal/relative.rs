@@ -65,7 +65,18 @@ impl<'t> Change<'t> {
 
 /// Adds the values in a text of goals to a world, and those that are relative to what is now.
 ///
-/// The text may be anything that a person or a model wrote: what has another form is left to [`parse`](super::parse).
+/// The text may be anything that a person or a model wrote: what has another form is left to [`parse`](super::parse). Values are those
+/// that the domain's goals take, in its units; numbers of an environment need none.
+///
+/// ```
+/// use longstep_core::{domain, environment, goal};
+/// let household = domain::shipped("household").unwrap()?;
+/// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+/// let mut world = environment::parse(&household, "desk.json", text)?;
+/// goal::add_values(&mut world, "put(pen, desk)");
+/// assert!(goal::parse(&world, "put(pen, desk)").is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn add_values(world: &mut World, text: &str) {
     world.add_values(text);
     if !text.contains(NOW) {

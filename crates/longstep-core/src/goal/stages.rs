@@ -17,6 +17,41 @@ impl Goal {
         starts.zip(ends).map(|(start, end)| start..end)
     }
 
+    /// Returns the goal with an order where it has none and asks for what cannot hold together: such goals are achieved one after the
+    /// other, as they were said. None if nothing has to be ordered, or if the goal has groups.
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment, goal};
+    /// let household = domain::shipped("household").unwrap()?;
+    /// let world = environment::parse(&household, "desk.json", r#"{"assets": ["<desk>", "<shelf>"],
+    ///     "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// let goal = goal::parse(&world, "put(pen, shelf) & put(pen, desk)")?;
+    /// assert_eq!(goal.in_order(&world).unwrap().text(&world), "put(pen, shelf) then put(pen, desk)");
+    /// assert!(goal::parse(&world, "put(pen, shelf)")?.in_order(&world).is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn in_order(&self, world: &World) -> Option<Self> {
+        if !self.stages.is_empty() || !self.groups.is_empty() {
+            return None;
+        }
+        let mut stages: Vec<usize> = Vec::new();
+        for next in 1..self.facts.len() {
+            let start = stages.last().copied().unwrap_or(0);
+            let two = Self {
+                facts: self.facts[start..=next].to_vec(),
+                stages: vec![next - start],
+                ..Self::default()
+            };
+            if two.kept(world)[..next - start].contains(&false) {
+                stages.push(next);
+            }
+        }
+        (!stages.is_empty()).then(|| Self {
+            stages,
+            ..self.clone()
+        })
+    }
+
     /// Returns the conditions of each stage; `all` has the condition of each goal.
     ///
     /// A goal of a later stage must be achieved anew, unless it holds from the beginning, or it holds whenever the stage

@@ -54,7 +54,8 @@ pub(super) fn split(text: &str) -> (&str, Vec<LeftOut>) {
     (goal, left_out.collect())
 }
 
-/// Reads an answer: a goal, or a question, which has none.
+/// Reads an answer: a goal, or a question, which has none. What cannot hold together is meant one after the other: "take the cup to the sink
+/// and then bring it back".
 ///
 /// # Errors
 ///
@@ -64,8 +65,9 @@ pub(super) fn read(world: &World, text: &str) -> Result<Answer, DialogueError> {
         return Ok(Answer::default());
     }
     let (goal, left_out) = split(text);
+    let goal = goal::parse(world, goal)?;
     Ok(Answer {
-        goal: Some(goal::parse(world, goal)?),
+        goal: Some(goal.in_order(world).unwrap_or(goal)),
         left_out,
     })
 }
