@@ -13,7 +13,8 @@
 //! answers, which have the sentences of the description in them. A text of changes begins with its suite
 //! (`suite: scripts/understanding/training/bakery`); a paragraph has the id of a case, whose plan is searched for, and lines of what a
 //! person says about the plan, and the answer (`Leave out step 3. => drop 3`). `--plans SUITE` prints the cases with their plans, for
-//! those who write such texts. A text of compositions has paragraphs as the model sees them (`Plans:`, `Checks:`, `Wish:`), `=>`, and the
+//! those who write such texts. `--requests SUITE` prints what a server is asked for each instruction, for a model that is recorded
+//! elsewhere: the suite, the case and the messages. A text of compositions has paragraphs as the model sees them (`Plans:`, `Checks:`, `Wish:`), `=>`, and the
 //! program that puts the plans together.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -25,7 +26,7 @@ use longstep::dialogue::{ChatRequest, ConstraintKind, Dialogue, Likelihood, Repl
 use longstep::domain::Domain;
 use longstep::feedback::{Amended, FeedbackDialogue, FeedbackInput, Wish, amend};
 use longstep::perception::{SightDialogue, SightInput};
-use longstep::understanding::{Understanding, UnderstandingInput};
+use longstep::understanding::{Examples, Understanding, UnderstandingInput};
 use longstep_core::environment::{self, World};
 use longstep_core::goal;
 use longstep_core::plan::Plan;
@@ -37,12 +38,17 @@ use serde_json::{Value, json};
 fn main() -> Result<(), Box<dyn Error>> {
     let folders: Vec<String> = std::env::args().skip(1).collect();
     if folders.is_empty() {
-        return Err("usage: training_data SUITE|TEXT.txt... or training_data --plans SUITE...".into());
+        return Err("usage: training_data SUITE|TEXT.txt... or training_data --plans|--requests SUITE...".into());
     }
-    if let Some(("--plans", suites)) = folders.split_first().map(|(first, rest)| (first.as_str(), rest)) {
-        for folder in suites {
+    let print = match folders[0].as_str() {
+        "--plans" => Some(planned_cases as fn(&Domain, &Suite)),
+        "--requests" => Some(requests as fn(&Domain, &Suite)),
+        _ => None,
+    };
+    if let Some(print) = print {
+        for folder in &folders[1..] {
             let (domain, suite) = read_suite(Path::new(folder))?;
-            planned_cases(&domain, &suite);
+            print(&domain, &suite);
         }
         return Ok(());
     }
@@ -134,6 +140,19 @@ fn planned_cases(domain: &Domain, suite: &Suite) {
             let text = text.rsplit_once('\n').map_or(text, |(before, _)| before);
             println!("{}\n{text}\n", case.id);
         }
+    }
+}
+
+/// Prints the requests to a server for the cases with one instruction.
+fn requests(domain: &Domain, suite: &Suite) {
+    for case in &suite.cases {
+        let [step] = &case.steps[..] else { continue };
+        let mut world = suite.world(case);
+        world.add_values(&step.says);
+        let input = UnderstandingInput::new(domain, &world, &step.says, ConstraintKind::JsonSchema);
+        let request = Understanding::new(input).request();
+        let texts: Vec<&str> = request.messages.iter().map(|own| own.text.as_str()).collect();
+        println!("{}", json!({"suite": suite.name, "case": case.id, "messages": texts}));
     }
 }
 
@@ -335,7 +354,7 @@ fn object(suite: &Suite, domain: &Domain, case: &Case) -> Option<Value> {
     let mut world = suite.world(case);
     world.add_values(&step.says);
     let dialogue = Understanding::new(UnderstandingInput {
-        examples: None,
+        examples: Examples::All,
         ..UnderstandingInput::new(domain, &world, &step.says, ConstraintKind::Grammar)
     });
     let (query, fixed) = dialogue.transcript().messages().split_last()?;
@@ -352,5 +371,33 @@ fn role(role: Role) -> &'static str {
         Role::System => "system",
         Role::User => "user",
         Role::Assistant => "assistant",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// A request that differs from what the adapter for `goals` has learned is understood worse, without a word: whoever changes it
+    /// trains the adapter again, measures, and then replaces the text (`LONGSTEP_LEARNED=write`).
+    #[test]
+    fn the_request_is_the_one_that_the_adapter_has_learned() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let (domain, suite) = read_suite(&root.join("scripts/understanding/training/avstore")).unwrap();
+        let (learned, case) = (root.join("scripts/adapter/learned-request.txt"), &suite.cases[0]);
+        let input = UnderstandingInput {
+            examples: Examples::All,
+            ..UnderstandingInput::new(&domain, suite.world(case), &case.steps[0].says, ConstraintKind::Grammar)
+        };
+        let mut text = String::new();
+        for message in Understanding::new(input).request().messages {
+            text.push_str(&format!("== {}\n{}\n", role(message.role), message.text));
+        }
+        if std::env::var("LONGSTEP_LEARNED").is_ok_and(|own| own == "write") {
+            std::fs::write(&learned, &text).unwrap();
+        }
+        assert_eq!(text, std::fs::read_to_string(&learned).unwrap());
     }
 }

@@ -37,8 +37,8 @@ pub struct UnderstandingInput<'a> {
     pub rounds: &'a [Round],
     /// The kind of constraint that the model supports.
     pub kind: ConstraintKind,
-    /// The number of worked examples in the request; all if none.
-    pub examples: Option<usize>,
+    /// The worked examples of the domain in the request.
+    pub examples: Examples,
 }
 
 impl<'a> UnderstandingInput<'a> {
@@ -50,13 +50,33 @@ impl<'a> UnderstandingInput<'a> {
             instruction,
             rounds: &[],
             kind,
-            examples: EXAMPLES,
+            examples: Examples::of(kind),
         }
     }
 }
 
-/// The worked examples of a request: the first ones of the domain. The adapter was trained with any number of them.
-const EXAMPLES: Option<usize> = None;
+/// Worked examples of a domain that a request has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Examples {
+    /// All.
+    All,
+    /// [`Examples::FEW`] at most: first those that show a form of a goal, or a question, that none before them shows. An embedded model reads 70
+    /// tokens for each, half a second on two cores.
+    Few,
+}
+
+impl Examples {
+    /// The largest number of a few examples.
+    pub const FEW: usize = 16;
+
+    /// Returns the examples for a kind of model. A server reads all of them in no time.
+    pub fn of(kind: ConstraintKind) -> Self {
+        match kind {
+            ConstraintKind::Grammar => Self::Few,
+            _ => Self::All,
+        }
+    }
+}
 
 /// Lets a model say what an instruction means. One request; a second one where a model under a grammar would ask: for the goal that it
 /// takes to be meant, which decides whether to ask, and what.

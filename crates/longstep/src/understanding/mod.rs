@@ -15,7 +15,7 @@ mod sayable;
 #[cfg(test)]
 mod tests;
 
-pub use dialogue::{Understanding, UnderstandingInput};
+pub use dialogue::{Examples, Understanding, UnderstandingInput};
 pub use fitted::FittedUnderstanding;
 pub use interpretation::Interpretation;
 pub use profile::Profile;

@@ -1,8 +1,10 @@
 //! The messages of a request: the same for every model.
 
+use std::collections::BTreeSet;
+
 use serde_json::json;
 
-use super::answer;
+use super::{Examples, answer};
 use crate::coverage::Gap;
 use crate::dialogue::{
     ConstraintKind, Message, Role, Round, fixed_turns, object, plain_line, scene, scene_and_instruction,
@@ -22,19 +24,18 @@ const JSON_FORM: &str = "\n\nWrite the answer as a JSON object with three keys: 
     goal stands in double quotes, in the words of the person.";
 
 /// Returns the fixed messages, then the scene with the instruction, then the later rounds; and the number of the fixed ones.
-/// `examples` is the number of worked examples; all if none.
 pub(super) fn messages(
     domain: &Domain,
     world: &World,
     instruction: &str,
     rounds: &[Round],
     kind: ConstraintKind,
-    examples: Option<usize>,
+    examples: Examples,
 ) -> (Vec<Message>, usize) {
     let mut messages = fixed_turns(domain);
     messages[0].text.push_str(&language(domain));
-    if let Some(examples) = examples {
-        messages.truncate(1 + 2 * examples);
+    if examples == Examples::Few {
+        messages = few(&messages);
     }
     if kind == ConstraintKind::JsonSchema {
         messages[0].text.push_str(JSON_FORM);
@@ -56,6 +57,47 @@ pub(super) fn messages(
         messages.push(Message::new(Role::User, said(&round.message)));
     }
     (messages, fixed)
+}
+
+/// Leaves out examples beyond [`Examples::FEW`], first those whose answers show no form of a goal that none before them shows.
+fn few(messages: &[Message]) -> Vec<Message> {
+    let mut shown = BTreeSet::new();
+    let mut is_new = |index: &usize| {
+        let known = shown.len();
+        shown.extend(words(&messages[2 * index + 2].text));
+        shown.len() > known
+    };
+    let (mut kept, rest): (Vec<usize>, Vec<usize>) = (0..messages.len() / 2).partition(&mut is_new);
+    kept.extend(rest);
+    kept.truncate(Examples::FEW);
+    kept.sort_unstable();
+    let places = kept.iter().flat_map(|index| [2 * index + 1, 2 * index + 2]);
+    std::iter::once(0)
+        .chain(places)
+        .filter_map(|place| messages.get(place).cloned())
+        .collect()
+}
+
+/// Returns the calls in an answer by their word and the number of commas, so that `put(X, Y)` and `put(X, Y, HAND)` are two; of a question,
+/// that it is one.
+fn words(answer: &str) -> Vec<(&str, usize)> {
+    if answer.starts_with(QUESTION) {
+        return vec![(QUESTION, 0)];
+    }
+    let (mut all, mut open) = (Vec::new(), Vec::new());
+    for (at, letter) in answer.char_indices() {
+        match letter {
+            '(' => {
+                let before = &answer[..at];
+                let word = before.rsplit(|own: char| !own.is_alphanumeric() && own != '_').next();
+                open.push((word.unwrap_or_default(), 0));
+            }
+            ',' => open.last_mut().into_iter().for_each(|(_, commas)| *commas += 1),
+            ')' => all.extend(open.pop()),
+            _ => {}
+        }
+    }
+    all
 }
 
 /// Converts an answer to the form for this kind of model.

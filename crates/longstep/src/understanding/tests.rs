@@ -1,6 +1,6 @@
 //! Requests for a meaning, and replies to them.
 
-use super::{Understanding, UnderstandingInput};
+use super::{Examples, Understanding, UnderstandingInput};
 use crate::dialogue::Decision;
 use crate::dialogue::{Constraint, ConstraintKind, Dialogue, Finish, Likelihood, Reply, Round};
 use crate::domain::{Domain, shipped};
@@ -196,4 +196,27 @@ fn later_words_are_turns_of_the_conversation() {
         assert!(texts[request.fixed].ends_with("Instruction: Butter, counter"));
         assert_eq!(texts[request.fixed + 1..], [reply, "and close the fridge"]);
     }
+}
+
+#[test]
+fn an_embedded_model_gets_few_examples_with_every_goal_word() {
+    let (domain, world) = kitchen();
+    let answers = |kind, examples| {
+        let input = UnderstandingInput {
+            examples,
+            ..UnderstandingInput::new(&domain, &world, "Close the fridge", kind)
+        };
+        let messages = Understanding::new(input).request().messages;
+        let answers: Vec<String> = messages.iter().skip(2).step_by(2).map(|own| own.text.clone()).collect();
+        answers
+    };
+    let all = answers(ConstraintKind::Grammar, Examples::All);
+    let first = answers(ConstraintKind::Grammar, Examples::of(ConstraintKind::Grammar));
+    assert_eq!(all.len(), domain.prompts.examples.len());
+    assert_eq!(first.len(), Examples::FEW);
+    for word in ["put(", "wiped(", "opened(", "closed(", "question:"] {
+        let showing = |answers: &[String]| answers.iter().any(|answer| answer.contains(word));
+        assert_eq!(showing(&first), showing(&all), "{word}");
+    }
+    assert_eq!(Examples::of(ConstraintKind::JsonSchema), Examples::All);
 }
