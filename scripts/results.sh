@@ -76,7 +76,8 @@ section "Branching" branching all branching --model "$model"
 section "Two arms" two-arms all two-arms --model "$model"
 section "Long chains" long all long --model "$model"
 totals "Other robots: test" test care home laboratory warehouse workshop petshop
-totals "Other robots: sealed" sealed farm/suite-minimum hotel/suite-minimum farm/suite-full hotel/suite-full
+totals "Other robots: farm and hotel" sealed farm/suite-minimum hotel/suite-minimum farm/suite-full hotel/suite-full
+totals "Other robots: sealed" sealed one two
 mv "$page" docs/results.md
 chmod 644 docs/results.md
 trap - EXIT

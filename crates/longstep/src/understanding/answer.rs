@@ -102,7 +102,8 @@ pub(super) fn form(world: &World, instruction: &str, asks: bool) -> Form {
     Form::Either(ways)
 }
 
-/// Returns the form of any run of words of an instruction; of a script without spaces, any run of its letters.
+/// Returns the form of any run of words of an instruction; of a script without spaces, any run of its letters. A run may begin and end
+/// without the punctuation of its words: of "only half?" it is "only half".
 fn spans(instruction: &str) -> Option<Form> {
     // A text in a goal stands between double quotes.
     let instruction = instruction.replace(['"', '\\'], " ");
@@ -118,16 +119,30 @@ fn spans(instruction: &str) -> Option<Form> {
     let mut after: Option<Form> = None;
     let mut all = Vec::new();
     for word in words.iter().rev() {
-        let own = match after.take() {
-            None => Form::text(word),
-            Some(after) => Form::Row(vec![
-                Form::text(word),
-                Form::Row(vec![Form::text(between), after]).optional(),
-            ]),
+        let bare = word.trim_start_matches(|letter: char| !letter.is_alphanumeric());
+        let inner = bare.trim_end_matches(|letter: char| !letter.is_alphanumeric());
+        let (before, bare, behind) = match inner.is_empty() {
+            true => ("", word.as_str(), ""),
+            false => (&word[..word.len() - bare.len()], inner, &bare[inner.len()..]),
         };
-        let own = own.shared();
+        let more = after.take().map(|after| Form::Row(vec![Form::text(between), after]));
+        let more = match (behind.is_empty(), more) {
+            (true, None) => None,
+            (true, Some(more)) => Some(more),
+            (false, None) => Some(Form::text(behind)),
+            (false, Some(more)) => Some(Form::Row(vec![Form::text(behind), more.optional()])),
+        };
+        let from_here = std::iter::once(Form::text(bare)).chain(more.map(Form::optional));
+        let own = Form::Row(from_here.collect()).shared();
         all.push(own.clone());
-        after = Some(own);
+        after = Some(match before.is_empty() {
+            true => own,
+            false => {
+                let whole = Form::Row(vec![Form::text(before), own]).shared();
+                all.push(whole.clone());
+                whole
+            }
+        });
     }
     (!all.is_empty()).then(|| Form::Either(all))
 }
