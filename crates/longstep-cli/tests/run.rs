@@ -152,7 +152,12 @@ fn words_that_a_saved_plan_does_not_say_are_told_before_it_runs() {
     let answer = serde_json::json!({"goal": GOAL, "left_out": [{"text": "by noon", "kind": "time"}], "question": ""});
     let server = Server::giving(vec![Answer::Says(answer.to_string())]);
     let planned = longstep(home.path())
-        .args(["plan", "Put the butter on the counter and close the fridge by noon", "--env", PANTRY])
+        .args([
+            "plan",
+            "Put the butter on the counter and close the fridge by noon",
+            "--env",
+            PANTRY,
+        ])
         .args(["--model", &server.reference(), "--save"])
         .arg(home.path().join("plan.json"))
         .output()

@@ -387,9 +387,10 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let (domain, suite) = read_suite(&root.join("scripts/understanding/training/avstore")).unwrap();
         let (learned, case) = (root.join("scripts/adapter/learned-request.txt"), &suite.cases[0]);
+        let world = suite.world(case);
         let input = UnderstandingInput {
             examples: Examples::All,
-            ..UnderstandingInput::new(&domain, suite.world(case), &case.steps[0].says, ConstraintKind::Grammar)
+            ..UnderstandingInput::new(&domain, &world, &case.steps[0].says, ConstraintKind::Grammar)
         };
         let mut text = String::new();
         for message in Understanding::new(input).request().messages {

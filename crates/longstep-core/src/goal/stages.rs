@@ -46,10 +46,7 @@ impl Goal {
                 stages.push(next);
             }
         }
-        (!stages.is_empty()).then(|| Self {
-            stages,
-            ..self.clone()
-        })
+        (!stages.is_empty()).then(|| Self { stages, ..self.clone() })
     }
 
     /// Returns the conditions of each stage; `all` has the condition of each goal.

@@ -149,10 +149,7 @@ pub fn load(files: &Files, domain: &Domain) -> Result<Suite, Diagnostics> {
     let mut judged = scenes.clone();
     for entry in case_files.iter().flat_map(|(_, _, entries)| &entries.case) {
         if let Some(world) = judged.get_mut(entry.get_ref().scene.get_ref()) {
-            entry
-                .get_ref()
-                .goals()
-                .for_each(|text| goal::add_values(world, text));
+            entry.get_ref().goals().for_each(|text| goal::add_values(world, text));
         }
     }
     let mut loader = Loader {
