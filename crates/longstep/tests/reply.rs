@@ -79,6 +79,7 @@ fn plan() -> impl Strategy<Value = PlanFile> {
                     endings: Vec::new(),
                     instruction_summary: summary,
                     question,
+                    not_in_plan: Vec::new(),
                     purpose: None,
                     domain: None,
                 }

@@ -134,15 +134,17 @@ pub(super) fn resolved<'t>(
             None if is_quantity(world.domain(), word, place) => return Err(unknown(part, name)),
             None => continue,
         };
-        let others = |other: usize| {
-            let kind = word.parameters[other].kind;
-            entities(world, part, &[names[other]], &[kind]).map(|found| found[0])
-        };
-        let mut known: Vec<Option<EntityId>> = Vec::new();
-        for other in 0..names.len() {
-            let is_amount = other == place || Change::read(names[other]).is_some();
-            known.push(if is_amount { None } else { Some(others(other)?) });
-        }
+        let known = names
+            .iter()
+            .zip(&word.parameters)
+            .enumerate()
+            .map(|(other, (own, parameter))| {
+                if other == place || Change::read(own).is_some() {
+                    return Ok(None);
+                }
+                entities(world, part, &[own], &[parameter.kind]).map(|found| found.first().copied())
+            });
+        let known = known.collect::<Result<Vec<Option<EntityId>>, GoalError>>()?;
         let value = world.state.iter().find_map(|fact| {
             let is_own = fact.predicate() == amount.predicate && amount.is_about(fact, &known);
             is_own.then(|| amount.changed(world, &change, fact)).flatten()

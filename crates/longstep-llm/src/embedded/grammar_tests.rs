@@ -43,7 +43,7 @@ fn first_request(grammars: &Grammars, domain: &Domain, world: &World) -> (String
 }
 
 /// What was said.
-const SAID: &str = "Do it by noon";
+const SAID: &str = "Do it (quietly) by noon!";
 
 /// Compares what the first request about a world accepts with what is read.
 fn check_world(grammars: &Grammars, domain: &Domain, world: &World, tokens: &dyn Fn(&str) -> Vec<TokenId>) {
@@ -107,6 +107,9 @@ fn composed(world: &World, offered: &[String]) -> Vec<String> {
         format!("{first} & untouched({name})"),
         format!("untouched({name})"),
         format!("{first} | left out time: by noon"),
+        format!("{first} | left out time: by noon!"),
+        format!("{first} | left out manner: quietly"),
+        format!("{first} | left out manner: (quietly) by"),
         format!("{first} | left out time: by noon | left out manner: Do"),
         in_place("all thing"),
         in_place("any thing"),

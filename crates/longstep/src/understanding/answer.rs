@@ -144,7 +144,7 @@ fn spans(instruction: &str) -> Option<Form> {
             }
         });
     }
-    (!all.is_empty()).then(|| Form::Either(all))
+    (!all.is_empty()).then_some(Form::Either(all))
 }
 
 /// The parts of which answers in a world consist.
