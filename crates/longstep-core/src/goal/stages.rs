@@ -17,8 +17,9 @@ impl Goal {
         starts.zip(ends).map(|(start, end)| start..end)
     }
 
-    /// Returns the goal with an order where it has none and asks for what cannot hold together: such goals are achieved one after the
-    /// other, as they were said. None if nothing has to be ordered, or if the goal has groups.
+    /// Returns the goal with an order where it has none and asks for what cannot hold together of one thing: such goals are achieved one
+    /// after the other, as they were said. None if nothing has to be ordered, or if the goal has groups. Two things in one hand remain a
+    /// goal without a plan.
     ///
     /// ```
     /// use longstep_core::{domain, environment, goal};
@@ -42,7 +43,9 @@ impl Goal {
                 stages: vec![next - start],
                 ..Self::default()
             };
-            if two.kept(world)[..next - start].contains(&false) {
+            let subject = |index: usize| self.facts[index].subject(world.domain());
+            let kept = two.kept(world);
+            if (start..next).any(|index| !kept[index - start] && subject(index) == subject(next)) {
                 stages.push(next);
             }
         }
