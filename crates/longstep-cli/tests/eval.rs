@@ -201,7 +201,7 @@ fn the_paper_s_tables_come_out_of_its_recordings() {
     assert!(told.contains("14 of 14 entries agree"), "{told}");
 }
 
-/// What a strong model answered that saw nothing but the requests (`scripts/understanding/README.md`).
+/// The answers of a strong model that saw nothing but the requests (`scripts/understanding/README.md`).
 #[test]
 fn recorded_answers_of_a_strong_model_are_right() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/understanding");

@@ -90,7 +90,7 @@ fn a_server_that_answers_nonsense_is_told_of() {
     assert!(told.starts_with("error: ") && told.contains("hint: "), "{stderr}");
 }
 
-/// What it says again after it was told that there is no such thing is a question.
+/// A goal that it repeats after it was told that there is no such thing is a question.
 #[test]
 fn a_server_that_insists_on_nonsense_is_a_question() {
     for (goal, expected) in [

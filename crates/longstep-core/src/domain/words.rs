@@ -255,7 +255,7 @@ pub struct GoalEntry {
     #[serde(default)]
     pub disturbs: Vec<Text>,
     pub says: Text,
-    /// What a person asks the robot to do, after "Should I".
+    /// The act that a person asks the robot for, after "Should I".
     pub asks: Option<Text>,
     pub means: String,
 }

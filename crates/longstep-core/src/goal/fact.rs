@@ -1,9 +1,9 @@
 //! One fact of a goal, without groups and conditions.
 
-use super::names::entities;
+use super::names::{entities, read_form};
 use super::{GoalError, GoalFact, NumberGoal, relative};
-use crate::call::{Call, find_unquoted};
-use crate::model::{Fact, FormPiece, GoalWord, GoalWordId, Predicate, PredicateId, TypeId, World, ground};
+use crate::call::Call;
+use crate::model::{Fact, GoalWordId, Predicate, PredicateId, TypeId, World, ground};
 
 /// Reads a fact in a state word, with the subject as first argument; none if the text has another form.
 pub(super) fn state(world: &World, part: &str) -> Result<Option<Fact>, GoalError> {
@@ -97,25 +97,4 @@ pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
             forms: forms.join(", "),
         }
     }))
-}
-
-/// Returns the names in a goal of this form, by parameter; none if the text has another form.
-pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
-    let mut names = vec![""; word.parameters.len()];
-    let mut rest = text;
-    let mut pieces = word.form.iter().peekable();
-    while let Some(piece) = pieces.next() {
-        match piece {
-            FormPiece::Text(text) => rest = rest.strip_prefix(text.as_str())?,
-            FormPiece::Parameter(index) => {
-                let end = match pieces.peek() {
-                    Some(FormPiece::Text(next)) if !next.is_empty() => find_unquoted(rest, next)?,
-                    _ => rest.len(),
-                };
-                names[*index] = rest[..end].trim();
-                rest = &rest[end..];
-            }
-        }
-    }
-    rest.is_empty().then_some(names)
 }

@@ -34,9 +34,9 @@ pub use conditional::Conditional;
 pub use conditional::{AND, ELSE, IF, NOT, THEN, WrittenConditional};
 pub use constraint::{ALWAYS, Constraint, NEVER, UNTIL};
 pub use error::GoalError;
-pub use fact::read_form;
 pub use group::{Group, Quantifier};
 pub use language::{JOINT, QUESTION, STAGE, parse, rules};
+pub use names::read_form;
 pub use partial_answer::{Begun, Next, ended};
 pub use relative::add_values;
 

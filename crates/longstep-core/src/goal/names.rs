@@ -1,11 +1,33 @@
 //! The entities that a part of a goal names.
 
 use super::GoalError;
+use crate::call::find_unquoted;
 use crate::diagnostic::nearest;
-use crate::model::{Distinctions, EntityId, TypeId, ValueForm, World};
+use crate::model::{Distinctions, EntityId, FormPiece, GoalWord, TypeId, ValueForm, World};
 
 /// The largest number of entities that an error offers for a part of their names.
 const LONGER_NAMES: usize = 4;
+
+/// Returns the names in a goal of this form, by parameter; none if the text has another form.
+pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
+    let mut names = vec![""; word.parameters.len()];
+    let mut rest = text;
+    let mut pieces = word.form.iter().peekable();
+    while let Some(piece) = pieces.next() {
+        match piece {
+            FormPiece::Text(text) => rest = rest.strip_prefix(text.as_str())?,
+            FormPiece::Parameter(index) => {
+                let end = match pieces.peek() {
+                    Some(FormPiece::Text(next)) if !next.is_empty() => find_unquoted(rest, next)?,
+                    _ => rest.len(),
+                };
+                names[*index] = rest[..end].trim();
+                rest = &rest[end..];
+            }
+        }
+    }
+    rest.is_empty().then_some(names)
+}
 
 /// Returns the entities with these names, one of each kind.
 pub(super) fn entities(

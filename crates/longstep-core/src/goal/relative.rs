@@ -2,8 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::fact::read_form;
-use super::names::entities;
+use super::names::{entities, read_form};
 use super::{GoalError, STAGE, UNTIL};
 use crate::model::{Domain, EntityId, Fact, GoalWord, Number, PredicateId, QuantityForm, Term, ValueForm, World};
 

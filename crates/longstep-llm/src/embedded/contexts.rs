@@ -1,6 +1,6 @@
 //! The contexts of a model: how much of the last prompts stays computed.
 //!
-//! What is said in a session alternates between prompts and adapters: what an instruction means, then how its plan is to change. A
+//! The requests of a session alternate between prompts and adapters: what an instruction means, then how its plan is to change. A
 //! context holds one prompt, computed with one adapter. With a single one, each request would compute its scene again.
 
 use llama_cpp_2::model::{LlamaLoraAdapter, LlamaModel};

@@ -1,4 +1,4 @@
-//! What can be asked for in a world can be written under the grammar of its request, and what can be written is read.
+//! Every goal of a world can be written under the grammar of its request, and every answer that can be written is read.
 
 use llguidance::earley::SlicedBiasComputer;
 use llguidance::{Matcher, ParserFactory};
@@ -42,7 +42,7 @@ fn first_request(grammars: &Grammars, domain: &Domain, world: &World) -> (String
     (text, matcher)
 }
 
-/// What was said.
+/// The instruction.
 const SAID: &str = "Do it (quietly) by noon!";
 
 /// Compares what the first request about a world accepts with what is read.

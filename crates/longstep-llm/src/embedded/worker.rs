@@ -543,7 +543,7 @@ const TRIES: usize = 6;
 /// The likelihood of an answer, in nats, above which no other one is looked for.
 const SURE: f64 = -0.5;
 
-/// What a search found.
+/// The result of a search.
 #[derive(Default)]
 struct Found {
     /// The number of tokens that it took.
@@ -556,7 +556,7 @@ struct Found {
 struct Search<'a> {
     matcher: &'a mut Matcher,
     most: usize,
-    /// What could have been chosen in place of what was.
+    /// The choices that were not made.
     forks: Vec<Fork>,
     /// The number of tokens of the prompt.
     begin: usize,

@@ -116,7 +116,7 @@ fn quotations_are_represented_by_names_alone() {
     check("An \"open quotation", "put(pen, shelf)", &[]);
 }
 
-/// What is named without being asked for is no gap: a person, or where a thing is.
+/// A name of which nothing is asked is no gap: a person, or where a thing is.
 #[test]
 fn names_are_no_gaps() {
     for text in [

@@ -128,9 +128,14 @@ impl Session {
             (None, true) => self.pursue(turn, meant),
             (None, false) => {
                 let question = meant.question.unwrap_or_default();
-                self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
+                self.ask_back(turn, question);
             }
         }
+    }
+
+    /// Asks the person in place of a goal.
+    fn ask_back(&mut self, turn: Turn, question: String) {
+        self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
     }
 
     /// Plans for a goal.
@@ -152,7 +157,7 @@ impl Session {
         let Some(plan) = solution.plan else {
             return match meant.question {
                 // What is not sure to be meant is asked about before it is said to be impossible.
-                Some(question) => self.ask_person(turn, format!("{}{question}", goal::QUESTION), question),
+                Some(question) => self.ask_back(turn, question),
                 None => self.give_up(turn, Failure::NoPlan(Box::new(answer))),
             };
         };

@@ -5,14 +5,13 @@ use std::cell::RefCell;
 use indexmap::IndexMap;
 use longstep_core::model::written_fact;
 
-use super::request::other_predicates;
-use super::sayable;
+use super::sayable::{self, fact_word, other_predicates};
 use crate::coverage::{Gap, LeftOut};
 use crate::dialogue::DialogueError;
 use crate::dialogue::answer_grammar::Form;
 use crate::environment::{EntityId, World};
 use crate::goal::{self, ALWAYS, Dependence, Goal, IF, NEVER, NOT, THEN, UNTIL};
-use crate::model::{FormPiece, Function, GoalWord, PredicateId, TypeId, ValueForm};
+use crate::model::{FormPiece, Function, GoalWord, Parameter, PredicateId, TypeId, ValueForm};
 
 /// The largest number of goals in a stage, and of constraints.
 const PARTS: usize = 8;
@@ -29,7 +28,7 @@ const NUMBER: &str = "-?[0-9]{1,6}(\\.[0-9]{1,3})?";
 /// The largest number of names in a list.
 const LISTED: usize = 4;
 /// The beginning of an answer that asks the person.
-const QUESTION: &str = "question:";
+const QUESTION: &str = goal::QUESTION.trim_ascii_end();
 
 /// An answer to an instruction.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -126,11 +125,12 @@ fn spans(instruction: &str) -> Option<Form> {
             false => (&word[..word.len() - bare.len()], inner, &bare[inner.len()..]),
         };
         let more = after.take().map(|after| Form::Row(vec![Form::text(between), after]));
-        let more = match (behind.is_empty(), more) {
-            (true, None) => None,
-            (true, Some(more)) => Some(more),
-            (false, None) => Some(Form::text(behind)),
-            (false, Some(more)) => Some(Form::Row(vec![Form::text(behind), more.optional()])),
+        let more = match behind {
+            "" => more,
+            _ => {
+                let rest = std::iter::once(Form::text(behind)).chain(more.map(Form::optional));
+                Some(Form::Row(rest.collect()))
+            }
         };
         let from_here = std::iter::once(Form::text(bare)).chain(more.map(Form::optional));
         let own = Form::Row(from_here.collect()).shared();
@@ -248,15 +248,22 @@ impl<'a> Parts<'a> {
 
     /// Returns the form of a fact that no goal word is about; none if no entity fits.
     fn predicate(&self, id: PredicateId) -> Option<Form> {
-        let predicate = self.world.domain().predicate(id);
-        let mut parts = vec![Form::text(predicate.name.replace('-', "_"))];
-        for (place, parameter) in predicate.parameters.iter().enumerate() {
+        let domain = self.world.domain();
+        self.call(&fact_word(domain, id), &domain.predicate(id).parameters, true)
+    }
+
+    /// Returns the form of a word with arguments; none if no entity fits. `is_forbidden` admits any entity.
+    fn call(&self, word: &str, parameters: &[Parameter], is_forbidden: bool) -> Option<Form> {
+        let mut parts = vec![Form::text(word), Form::text("(")];
+        for (place, parameter) in parameters.iter().enumerate() {
             let own = self.world.of_kind(parameter.kind);
             if own.is_empty() {
                 return None;
             }
-            parts.push(Form::text(if place == 0 { "(" } else { ", " }));
-            parts.push(self.argument(own, true));
+            if place > 0 {
+                parts.push(Form::text(", "));
+            }
+            parts.push(self.argument(own, is_forbidden));
         }
         parts.push(Form::text(")"));
         Some(Form::Row(parts))
@@ -404,16 +411,7 @@ impl<'a> Parts<'a> {
         if !function.changes {
             return None;
         }
-        let mut parts = vec![Form::text(&function.word)];
-        for (place, parameter) in function.parameters.iter().enumerate() {
-            let own = self.world.of_kind(parameter.kind);
-            if own.is_empty() {
-                return None;
-            }
-            parts.push(Form::text(if place == 0 { "(" } else { ", " }));
-            parts.push(self.argument(own, false));
-        }
-        parts.push(Form::text(if function.parameters.is_empty() { "()" } else { ")" }));
+        let mut parts = vec![self.call(&function.word, &function.parameters, false)?];
         let symbols = [" >= ", " <= ", " = ", " > ", " < "].map(str::to_owned);
         parts.push(Form::texts(symbols));
         parts.push(Form::Pattern(format!("(now [-+*] )?{NUMBER}")));

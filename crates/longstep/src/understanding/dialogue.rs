@@ -24,7 +24,7 @@ const GRAMMAR_TOKENS: u32 = 384;
 /// The token budget of a server's answer.
 pub(super) const ANSWER_TOKENS: u32 = 1024;
 
-/// What a person said, and where.
+/// The words of a person, and where they were said.
 #[derive(Debug, Clone, Copy)]
 pub struct UnderstandingInput<'a> {
     /// The domain with its prompts.

@@ -1,4 +1,4 @@
-//! What an instruction means.
+//! The meaning of an instruction.
 
 use crate::coverage::LeftOut;
 use crate::dialogue::Reading;
@@ -6,14 +6,14 @@ use crate::environment::World;
 use crate::goal::Goal;
 use crate::model::Domain;
 
-/// What an instruction means in a world.
+/// The meaning of an instruction in a world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interpretation {
     /// The goal. Where there is a question, it is what the model takes to be meant; none if it has no idea.
     pub goal: Option<Goal>,
     /// The words of the instruction that the goal does not say.
     pub left_out: Vec<LeftOut>,
-    /// What to ask the person; none if the goal is to be acted on.
+    /// The question to the person; none if the goal is to be acted on.
     pub question: Option<String>,
     /// How the words were understood: the answers, their likelihoods, and the row of the table that decided.
     pub reading: Reading,

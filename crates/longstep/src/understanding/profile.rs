@@ -3,7 +3,7 @@
 use crate::dialogue::nats;
 use crate::reading::Decision;
 
-/// What is known about a model's answers, and the limits that follow. Likelihoods are in thousandths of a nat.
+/// The kind of model that answers, and the limits that follow. Likelihoods are in thousandths of a nat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Profile {
     /// The name, for `--explain`.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
+use super::sayable::{fact_word, other_predicates};
 use super::{Examples, answer};
 use crate::coverage::Gap;
 use crate::dialogue::{
@@ -11,9 +12,9 @@ use crate::dialogue::{
 };
 use crate::environment::World;
 use crate::goal::QUESTION;
-use crate::model::{Condition, Domain, PredicateId};
+use crate::model::{Domain, Parameter, PredicateId};
 
-/// What a server is told about the form of its answer, behind the system text. An embedded model has learned it.
+/// The form of its answer, for a server, behind the system text. An embedded model has learned it.
 const JSON_FORM: &str = "\n\nWrite the answer as a JSON object with three keys: \"goal\", the whole goal as a text in this language, \
     empty if you ask; \"left_out\", the words that the goal does not say, each with its \"text\", copied from the instruction, \
     and its \"kind\"; and \"question\", which is empty unless you have to ask.\n\n\
@@ -149,9 +150,8 @@ fn numbers(domain: &Domain) -> String {
     let changing = domain.functions.iter().filter(|function| function.changes);
     let forms: Vec<String> = changing
         .map(|function| {
-            let names = function.parameters.iter().map(|own| own.name.to_uppercase());
             let unit = function.unit.as_ref().map_or(String::new(), |unit| format!(" {unit}"));
-            format!("{}({}) >= 3{unit}", function.word, names.collect::<Vec<_>>().join(", "))
+            format!("{} >= 3{unit}", form_of(&function.word, &function.parameters))
         })
         .collect();
     match forms.is_empty() {
@@ -169,36 +169,14 @@ fn conditions(domain: &Domain) -> Vec<String> {
     sensed.map(|word| format!("{}(THING)", word.word)).collect()
 }
 
-/// Returns the facts that change and that no goal word is about: where the robot is, what it holds.
-pub(super) fn other_predicates(domain: &longstep_core::model::Domain) -> Vec<PredicateId> {
-    let of_goals = |predicate: PredicateId| {
-        let conditions = domain.goal_words.iter().map(|word| &word.condition);
-        conditions
-            .flat_map(Condition::atoms)
-            .any(|(atom, _)| atom.predicate == predicate)
-    };
-    let all = (0..domain.predicates.len()).map(PredicateId::new);
-    all.filter(|id| {
-        let words = domain.words(*id);
-        let has_arguments = !domain.predicate(*id).parameters.is_empty();
-        words.fluent && !words.event && !domain.is_sensed(*id) && !of_goals(*id) && has_arguments
-    })
-    .collect()
+/// Returns the forms of the facts that no goal word is about.
+fn other_states(domain: &Domain) -> Vec<String> {
+    let form = |id: PredicateId| form_of(&fact_word(domain, id), &domain.predicate(id).parameters);
+    other_predicates(domain).into_iter().map(form).collect()
 }
 
-/// Returns the forms of the facts that no goal word is about.
-fn other_states(domain: &longstep_core::model::Domain) -> Vec<String> {
-    let form = |id: PredicateId| {
-        let predicate = domain.predicate(id);
-        let names = predicate
-            .parameters
-            .iter()
-            .map(|parameter| parameter.name.to_uppercase());
-        format!(
-            "{}({})",
-            predicate.name.replace('-', "_"),
-            names.collect::<Vec<_>>().join(", ")
-        )
-    };
-    other_predicates(domain).into_iter().map(form).collect()
+/// Returns a word with its parameters, as a person would fill them in: `level(TANK)`.
+fn form_of(word: &str, parameters: &[Parameter]) -> String {
+    let names: Vec<String> = parameters.iter().map(|own| own.name.to_uppercase()).collect();
+    format!("{word}({})", names.join(", "))
 }

@@ -1,9 +1,10 @@
-//! The parts of groups that can be said in a world: kinds and states.
+//! The parts of goals that can be said in a world: kinds and states of groups, and facts that no goal word is about.
 
 use indexmap::IndexSet;
+use longstep_core::model::Domain;
 
 use crate::environment::{EntityId, Fact, World};
-use crate::model::{plain_words, singular};
+use crate::model::{Condition, PredicateId, plain_words, singular};
 
 /// The longest list of states that may select the members of a group.
 const STATES: usize = 64;
@@ -92,4 +93,26 @@ fn written(word: &str, names: &[&str]) -> String {
         [] => word.to_owned(),
         _ => format!("{word}({})", names.join(", ")),
     }
+}
+
+/// Returns the facts that change and that no goal word is about: where the robot is, what it holds.
+pub(super) fn other_predicates(domain: &Domain) -> Vec<PredicateId> {
+    let of_goals = |predicate: PredicateId| {
+        let conditions = domain.goal_words.iter().map(|word| &word.condition);
+        conditions
+            .flat_map(Condition::atoms)
+            .any(|(atom, _)| atom.predicate == predicate)
+    };
+    let all = (0..domain.predicates.len()).map(PredicateId::new);
+    all.filter(|id| {
+        let words = domain.words(*id);
+        let has_arguments = !domain.predicate(*id).parameters.is_empty();
+        words.fluent && !words.event && !domain.is_sensed(*id) && !of_goals(*id) && has_arguments
+    })
+    .collect()
+}
+
+/// Returns the word for a fact that no goal word is about.
+pub(super) fn fact_word(domain: &Domain, id: PredicateId) -> String {
+    domain.predicate(id).name.replace('-', "_")
 }
