@@ -31,9 +31,9 @@ def starts():
     garden = folder("examples/greenhouse", "d")
     world = ("--env", "d/environment.json", "--domain", "d")
     stored = folder("examples/stored", "stored")
-    plan = {"plan.json": text("examples/plans/warm_cupcake.json"), "reply.txt": text("examples/plans/tidy_magazine.txt"), "env.json": text("suites/kitchen/scenes/studio.json"), "larder.json": text("examples/environments/larder.json")}
+    plan = {"plan.json": text("examples/plans/warm_cupcake.json"), "reply.txt": text("examples/plans/tidy_magazine.txt"), "env.json": text("crates/longstep-eval/suites/kitchen/scenes/studio.json"), "larder.json": text("examples/environments/larder.json")}
     home = ("--env", "env.json", "--domain", "virtualhome")
-    office = {"env.json": text("suites/branching/scenes/pantry.json"), "plan.py": text("examples/stored/cream.py")}
+    office = {"env.json": text("crates/longstep-eval/suites/branching/scenes/pantry.json"), "plan.py": text("examples/stored/cream.py")}
     yield "domain check", Case(garden, ("domain", "check", "d"))
     yield "domain show", Case(garden, ("domain", "show", "d"))
     yield "solve in a domain", Case(garden, ("solve", "--goal", "watered(tomato) & aired(north bed)", *world))
@@ -42,7 +42,7 @@ def starts():
     yield "repair a reply", Case(plan, ("repair", "reply.txt", *home))
     yield "compose", Case({**stored, "larder.json": plan["larder.json"]}, ("compose", "--script", "stored/cream.py", "--plans", *sorted(name for name in stored if name.endswith("json")), "--env", "larder.json", "--domain", "household-checks"))
     yield "verify a script", Case(office, ("verify", "plan.py", "--env", "env.json", "--domain", "household-checks"))
-    suite = folder("suites/branching", "s")
+    suite = folder("crates/longstep-eval/suites/branching", "s")
     yield "robot check", Case({"robot.toml": text("examples/robots/ros2/robot.toml"), "env.json": text("examples/environments/pantry.json")}, ("robot", "check", "robot.toml", "--offline", "--env", "env.json"))
     yield "see", Case({"boxes.json": text("examples/see/shelf.boxes.json")}, ("see", "boxes.json", "--json"))
     yield "domain new", Case({"d.pddl": text("examples/greenhouse/domain.pddl")}, ("domain", "new", "made", "--pddl", "d.pddl"))

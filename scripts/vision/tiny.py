@@ -4,7 +4,7 @@ The tests of embedded vision run them: there is no small vision model that every
 enough to be made in a second: a vocabulary learned from a text of this repository, two layers, and a vision encoder for
 pictures of 32 by 32 pixels.
 
-    python tiny.py FOLDER --text domains/household/domain.toml
+    python tiny.py FOLDER --text crates/longstep-model/domains/household/domain.toml
 
 writes `model.gguf` and `mrope.gguf` (a model whose positions have several dimensions), and projectors: `mlp.gguf` (one
 piece of 16 tokens a picture), `tiles.gguf` (a picture in tiles, with tokens between them), `sizes.gguf` (as many tokens as

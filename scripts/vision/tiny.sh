@@ -4,7 +4,7 @@
 set -euo pipefail
 . "$(dirname "$0")/../robots/venv.sh"
 vision=$(cd "$(dirname "$0")" && pwd)
-text="$vision/../../domains/household/domain.toml"
+text="$vision/../../crates/longstep-model/domains/household/domain.toml"
 cache="${LONGSTEP_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/longstep}/vision"
 # Other scripts, texts and interpreters get folders of their own.
 mark=$(cat "$vision/requirements.txt" <(python3 --version) | sha256sum | cut -c1-12)

@@ -7,6 +7,7 @@ use anyhow::Result;
 use longstep::report;
 use longstep::report::{Answer, Status};
 use longstep_core::pddl::{self, Problem};
+use longstep_core::verify::Purpose;
 use longstep_llm::read_text;
 
 use crate::arguments::SolveArguments;
@@ -17,7 +18,7 @@ use crate::{inputs, show};
 pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8> {
     let started = Instant::now();
     let problem = read(arguments.domain.as_deref(), problem_file)?;
-    let purpose = problem.purpose();
+    let purpose = Purpose::from(&problem);
     let mut answer = report::of_purpose(
         &problem.world,
         &purpose,

@@ -130,7 +130,7 @@ impl Files {
 
     /// `household` with hostile words, once as a domain that loads and once as one that does not.
     fn domain(&self) {
-        let shipped = root().join("domains/household");
+        let shipped = root().join("crates/longstep-model/domains/household");
         let escaped = "\\u001b]0;PWN\\u0007\\u202ex\\nVerified: 99 steps ";
         let copy = |from: PathBuf, name: &str| {
             let text = std::fs::read_to_string(from).unwrap();

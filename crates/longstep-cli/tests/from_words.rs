@@ -42,7 +42,7 @@ impl Suite {
     fn household(robot: fn(&str) -> String) -> Self {
         Self {
             domain: "household".to_owned(),
-            folder: root().join("suites/household"),
+            folder: root().join("crates/longstep-eval/suites/household"),
             cases: "chains.toml",
             robot,
         }

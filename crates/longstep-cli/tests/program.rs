@@ -61,7 +61,7 @@ fn tasks_are_exchanged_with_planners() {
     let path = folder.path().join("problem.pddl");
     std::fs::write(&path, problem).unwrap();
     let path = path.to_str().unwrap();
-    let domain = "domains/household/domain.pddl";
+    let domain = "crates/longstep-model/domains/household/domain.pddl";
     snapshot!("solve_problem", &["solve", "--problem", path, "--domain", domain]);
     let (code, stdout, _) = longstep(&["solve", "--problem", path, "--domain", domain, "--json"]);
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
@@ -91,7 +91,12 @@ fn plans_of_planners_are_verified_and_repaired() {
         path.to_str().unwrap().to_owned()
     };
     let problem = file("problem.pddl", &problem);
-    let task = ["--problem", &problem, "--domain", "domains/household/domain.pddl"];
+    let task = [
+        "--problem",
+        &problem,
+        "--domain",
+        "crates/longstep-model/domains/household/domain.pddl",
+    ];
     let (_, plan, _) = longstep(&[&["solve"], &task[..]].concat());
     let steps: Vec<&str> = plan.lines().filter(|line| line.starts_with('(')).collect();
     let timed = |(place, step): (usize, &&str)| format!("{place}.001: {} [0.500]\n", step.to_uppercase());

@@ -34,7 +34,7 @@ fn the_boxes_of_the_simulated_scenes_give_back_their_environments() {
         let ran = run(longstep(home.path()).args(["see", &boxes, "-o"]).arg(&file), "");
         assert_eq!(ran.code, 0, "{scene}: {}{}", ran.stdout, ran.stderr);
         let seen: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
-        let made = root().join(format!("suites/household/scenes/{scene}.json"));
+        let made = root().join(format!("crates/longstep-eval/suites/household/scenes/{scene}.json"));
         let made: Value = serde_json::from_str(&std::fs::read_to_string(made).unwrap()).unwrap();
         let made = &made["environment"];
         assert_eq!((&seen["assets"], &seen["objects"]), (&made["assets"], &made["objects"]));
@@ -284,7 +284,7 @@ fn a_new_look_says_what_changed_in_a_session() {
     chat.args([
         "chat",
         "--env",
-        "suites/household/scenes/fridge.json",
+        "crates/longstep-eval/suites/household/scenes/fridge.json",
         "--model",
         &server.reference(),
         "--session",

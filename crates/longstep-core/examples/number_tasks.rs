@@ -9,7 +9,7 @@ use longstep_core::domain::from_pddl;
 use longstep_core::pddl::{read_plan, read_problem, write_plan};
 use longstep_core::plan::{Plan, Step, Violation};
 use longstep_core::search::{GroundAction, Limits, Outcome, solve};
-use longstep_core::verify::check;
+use longstep_core::verify::{Purpose, check};
 use serde_json::{Value, json};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -29,7 +29,7 @@ fn task(paths: &[&str]) -> Result<Value, Box<dyn std::error::Error>> {
     };
     let domain = from_pddl(domain_path, &std::fs::read_to_string(domain_path)?)?;
     let problem = read_problem(&domain, problem_path, &std::fs::read_to_string(problem_path)?)?;
-    let (world, purpose) = (&problem.world, problem.purpose());
+    let (world, purpose) = (&problem.world, Purpose::from(&problem));
     if let Some(path) = plan.first() {
         let steps = read_plan(world, path, &std::fs::read_to_string(path)?)?.steps;
         let explained = |step: GroundAction| Step::explained(world, step.action, step.arguments);

@@ -13,7 +13,10 @@ use std::path::{Path, PathBuf};
 type Edges = BTreeMap<String, BTreeMap<String, Vec<String>>>;
 
 /// Crates from the ground up: each may depend on those before it.
-const ORDER: [&str; 7] = [
+const ORDER: [&str; 10] = [
+    "longstep-model",
+    "longstep-verify",
+    "longstep-search",
     "longstep-core",
     "longstep-teach",
     "longstep-robot",

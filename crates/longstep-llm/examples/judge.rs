@@ -127,7 +127,7 @@ fn task(request: &Value, domain: &str, problem: &str) -> Anyhow<Value> {
     let world = &problem.world;
     let purpose = match request["goal"].as_str() {
         Some(goal) => goal::parse(world, goal)?.purpose(world),
-        None => problem.purpose(),
+        None => Purpose::from(&problem),
     };
     let mut answer = match search::solve(world, &purpose, &longstep::Limits::default()) {
         Outcome::Solved {

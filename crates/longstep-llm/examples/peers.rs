@@ -22,7 +22,7 @@ use longstep_core::json;
 use longstep_core::pddl::{self, Problem};
 use longstep_core::plan::{Plan, Step};
 use longstep_core::search::{self, Effort, Limits, Outcome};
-use longstep_core::verify::check;
+use longstep_core::verify::{Purpose, check};
 use longstep_llm::domain_files;
 use serde_json::json;
 
@@ -62,7 +62,7 @@ fn solve(domain_file: &str, problem_file: &str, limits: &Limits) -> Anyhow<()> {
     let started = Instant::now();
     let domain = domain::from_pddl(domain_file, &texts.0)?;
     let problem = pddl::read_problem(&domain, problem_file, &texts.1)?;
-    let outcome = search::solve(&problem.world, &problem.purpose(), limits);
+    let outcome = search::solve(&problem.world, &Purpose::from(&problem), limits);
     let microseconds = started.elapsed().as_micros();
     let mut line = json!({"problem": problem_file, "outcome": name(&outcome), "microseconds": microseconds});
     match outcome {
@@ -95,7 +95,9 @@ fn name(outcome: &Outcome) -> &'static str {
 
 /// Returns true if the verifier, which shares nothing with the search, accepts the plan.
 fn is_valid(problem: &Problem, plan: Plan) -> bool {
-    check(&problem.world, plan, &problem.purpose()).violations.is_empty()
+    check(&problem.world, plan, &Purpose::from(problem))
+        .violations
+        .is_empty()
 }
 
 fn check_plan(line: &str) -> Anyhow<()> {
@@ -163,7 +165,7 @@ fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) ->
     // What was written means the same to us when we read it back.
     let bare = domain::from_pddl("domain.pddl", &scene.pddl)?;
     let problem = pddl::read_problem(&bare, "problem.pddl", &text)?;
-    let again = search::solve(&problem.world, &problem.purpose(), &Limits::default());
+    let again = search::solve(&problem.world, &Purpose::from(&problem), &Limits::default());
     line["again"] = match again {
         Outcome::Solved { plan, .. } => plan.steps().len().into(),
         other => name(&other).into(),

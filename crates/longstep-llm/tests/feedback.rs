@@ -24,7 +24,7 @@ use serde_json::Value;
 
 fn domain_named(name: &str) -> Domain {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = ["domains", "examples"].map(|place| root.join(place).join(name));
+    let folder = ["crates/longstep-model/domains", "examples"].map(|place| root.join(place).join(name));
     let folder = folder.iter().find(|folder| folder.is_dir()).unwrap();
     load_domain(&folder.display().to_string()).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -57,7 +57,7 @@ fn cases(suite: &str) -> Vec<Case> {
 }
 
 fn suite_folder(suite: &str) -> PathBuf {
-    root().join("suites").join(suite)
+    root().join("crates/longstep-eval/suites").join(suite)
 }
 
 fn world_of(suite: &str, scene: &str) -> World {

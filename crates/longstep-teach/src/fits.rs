@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use longstep_core::model::{SkillFit, SkillParameter};
+use longstep_model::model::{SkillFit, SkillParameter};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 

@@ -1,9 +1,9 @@
 //! The steps of a plan that are to be shown.
 
-use longstep_core::call::Call;
-use longstep_core::environment::World;
-use longstep_core::model::{EntityId, SkillFit, SkillParameter, SkillSource};
-use longstep_core::plan::{Plan, Step, StepId};
+use longstep_model::call::Call;
+use longstep_model::environment::World;
+use longstep_model::model::{EntityId, SkillFit, SkillParameter, SkillSource};
+use longstep_verify::plan::{Plan, Step, StepId};
 
 use crate::demonstration::Hand;
 

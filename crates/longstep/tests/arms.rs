@@ -145,7 +145,7 @@ fn another_hand_does_it_where_the_sentence_means_it() {
 
 /// The instructions of the suite `two-arms`, each with its world and what it means.
 fn instructions(domain: &Domain) -> Vec<(World, String, String)> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../suites/two-arms");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../longstep-eval/suites/two-arms");
     let text = |file: &str| std::fs::read_to_string(format!("{folder}/{file}")).unwrap();
     let cases: toml::Table = text("cases.toml").parse().unwrap();
     let case = |case: &toml::Value| {

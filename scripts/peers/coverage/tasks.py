@@ -24,7 +24,7 @@ class Task:
 
 def domain_file(name: str) -> Path:
     """The domain as PDDL."""
-    return ROOT / "domains/household/domain.pddl" if name == "household" else HERE / f"domains/{name}.pddl"
+    return ROOT / "crates/longstep-model/domains/household/domain.pddl" if name == "household" else HERE / f"domains/{name}.pddl"
 
 
 def written(fact: tuple[str, ...]) -> str:

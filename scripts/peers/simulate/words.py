@@ -8,7 +8,7 @@ from pathlib import Path
 
 from . import pddl
 
-SHIPPED = Path(__file__).resolve().parents[3] / "domains"
+SHIPPED = Path(__file__).resolve().parents[3] / "crates/longstep-model/domains"
 CALL = re.compile(r"^\s*([\w-]+)\s*\((.*)\)\s*$", re.S)
 
 

@@ -1,11 +1,11 @@
 //! The purpose of a plan that is carried out.
 
-use crate::goal::{self, Goal, GoalError};
-use crate::model::{
+use longstep_model::model::{
     Application, Arithmetic, Atom, Comparison, Condition, Domain, Ending, Fact, Fluent, Number, NumberTest,
     PredicateId, Prohibition, State, Term, Wanted, When, World, state_word,
 };
-use crate::verify::{Purpose, VerifiedPlan, Waiver, broken_at_end};
+use longstep_search::goal::{self, Goal, GoalError};
+use longstep_verify::verify::{Purpose, VerifiedPlan, Waiver, broken_at_end};
 
 /// Maximum number of facts in the purpose of a plan without a goal.
 const FACTS: usize = 2_000;

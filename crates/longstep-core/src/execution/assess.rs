@@ -5,11 +5,11 @@ use rustc_hash::FxHashMap;
 use super::need::{Effect, Stop};
 use super::order::taught_step;
 use super::{Event, Execution, Trust, ground};
-use crate::cursor::Rest;
-use crate::model::{Moment, Prohibition, State, StateVariable, StepPattern, World, apply, fired, holds};
-use crate::plan::{Plan, Step, StepId};
-use crate::search::GroundAction;
-use crate::verify::{Purpose, VerifiedPlan, check};
+use longstep_model::model::{Moment, Prohibition, State, StateVariable, StepPattern, World, apply, fired, holds};
+use longstep_search::search::GroundAction;
+use longstep_verify::cursor::Rest;
+use longstep_verify::plan::{Plan, Step, StepId};
+use longstep_verify::verify::{Purpose, VerifiedPlan, check};
 
 /// Maximum number of rests that are verified to see how many steps have become needless.
 const CANDIDATES: usize = 256;

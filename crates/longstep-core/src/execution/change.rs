@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use super::monitor::Noticed;
 use super::need::Stop;
 use super::{Approval, Event, Execution, Subject, ground};
-use crate::model::World;
-use crate::plan::{DraftStep, Node, Plan, Resolved, lanes};
-use crate::repair::{Edit, RepairOutcome, repair};
-use crate::schedule::compact;
-use crate::search::{Limits, Outcome, solve, why_not};
-use crate::verify::{Purpose, VerifiedPlan, check};
+use longstep_model::model::World;
+use longstep_search::repair::{Edit, RepairOutcome, repair};
+use longstep_search::schedule::compact;
+use longstep_search::search::{Limits, Outcome, solve, why_not};
+use longstep_verify::plan::{DraftStep, Node, Plan, Resolved, lanes};
+use longstep_verify::verify::{Purpose, VerifiedPlan, check};
 
 /// Maximum number of steps that the robot cannot do; each one that is found costs a search.
 const FORBIDDEN: usize = 200;

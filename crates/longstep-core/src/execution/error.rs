@@ -1,9 +1,9 @@
 //! The errors of executions.
 
-use crate::cursor::CursorError;
-use crate::environment::ObservationError;
-use crate::goal::GoalError;
-use crate::skill::MissingSkill;
+use longstep_model::environment::ObservationError;
+use longstep_search::goal::GoalError;
+use longstep_verify::cursor::CursorError;
+use longstep_verify::skill::MissingSkill;
 
 /// A plan that cannot be carried out. Nothing has moved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

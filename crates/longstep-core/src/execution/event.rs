@@ -8,10 +8,10 @@ use super::monitor::Noticed;
 use super::need::{Effect, Order};
 use super::written::written_outcome;
 use super::{Aim, Approval, ProposalId, Settings, Trust, Unseen, Watch};
-use crate::environment::{Environment, Statements};
-use crate::model::{Fact, World};
-use crate::plan::{Plan, Written, write_tree};
-use crate::verify::VerifiedPlan;
+use longstep_model::environment::{Environment, Statements};
+use longstep_model::model::{Fact, World};
+use longstep_verify::plan::{Plan, Written, write_tree};
+use longstep_verify::verify::VerifiedPlan;
 
 /// The version of the log.
 pub(super) const FORMAT: u32 = 3;
@@ -229,7 +229,7 @@ impl Event {
     }
 
     pub(super) fn changed(world: &World, change: &Change) -> Self {
-        let edit = |edit: &crate::repair::Edit| format!("{}: {}", edit.description(change.steps), edit.why);
+        let edit = |edit: &longstep_search::repair::Edit| format!("{}: {}", edit.description(change.steps), edit.why);
         Self::Changed {
             kind: change.kind,
             plan: plan_text(world, change.plan.plan()),

@@ -3,11 +3,11 @@
 
 use super::monitor::Completed;
 use super::{Approval, Basis, Event, Execution, ExecutionError, Need, Phase, Stop, Trust, Unseen};
-use crate::effort;
-use crate::environment::Observation;
-use crate::model::{Moment, State, StateVariable, Wanted, support};
-use crate::plan::Plan;
-use crate::verify::{Progress, check, rules_at_end};
+use longstep_model::effort;
+use longstep_model::environment::Observation;
+use longstep_model::model::{Moment, State, StateVariable, Wanted, support};
+use longstep_verify::plan::Plan;
+use longstep_verify::verify::{Progress, check, rules_at_end};
 
 /// Maximum number of looks for facts that were not observed, before a stage and at the end.
 const LOOKS: u32 = 8;

@@ -2,10 +2,10 @@
 
 use super::tests::{fact, household, kitchen, plan, reports};
 use super::*;
-use crate::domain::{Files, load};
-use crate::environment::{self, EntityId};
-use crate::goal;
-use crate::model::{Moment, apply, holds};
+use longstep_model::domain::{Files, load};
+use longstep_model::environment::{self, EntityId};
+use longstep_model::model::{Moment, apply, holds};
+use longstep_search::goal;
 
 /// A real world with a robot that says that it performed every order.
 struct Robot<'a> {
@@ -99,8 +99,8 @@ fn trusting(approval: Approval, trust: Trust) -> Settings {
 /// The domain of a robot that carries water, with numbers.
 pub(super) fn tank() -> World {
     let files = Files {
-        pddl: include_str!("../goal/tank/domain.pddl").to_owned(),
-        words: include_str!("../goal/tank/domain.toml").to_owned(),
+        pddl: include_str!("../../../longstep-model/tests/domains/tank/domain.pddl").to_owned(),
+        words: include_str!("../../../longstep-model/tests/domains/tank/domain.toml").to_owned(),
         ..Files::default()
     };
     let text = r#"{"assets": ["<well>", "<north_tank>"], "asset_states": {

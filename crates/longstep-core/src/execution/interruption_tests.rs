@@ -3,10 +3,10 @@
 use super::evidence_tests::tank;
 use super::tests::{fact, household, kitchen, plan};
 use super::*;
-use crate::domain::{Files, from_pddl, load};
-use crate::environment::Statements;
-use crate::model::World;
-use crate::pddl::read_problem;
+use longstep_model::domain::{Files, from_pddl, load};
+use longstep_model::environment::Statements;
+use longstep_model::model::World;
+use longstep_search::pddl::read_problem;
 
 const DOMAIN: &str = "(define (domain lamps) (:requirements :adl) (:types lamp)
   (:predicates (lit ?x - lamp) (dusty ?x - lamp) (swept))
@@ -41,7 +41,7 @@ fn order(execution: &mut Execution) -> u64 {
 fn statements(seen: &[(&str, &str)]) -> Statements {
     let states = seen.iter().map(|(lamp, states)| {
         let states: Vec<String> = states.split_whitespace().map(str::to_owned).collect();
-        ((*lamp).to_owned(), crate::environment::Words::Many(states))
+        ((*lamp).to_owned(), longstep_model::environment::Words::Many(states))
     });
     Statements {
         states: states.collect(),
@@ -198,7 +198,7 @@ fn what_a_look_has_shown_is_not_the_failure_of_a_step() {
         ..Files::default()
     };
     let text = r#"{"objects": ["<north>", "<south>"]}"#;
-    let world = crate::environment::parse(&load(&files).unwrap(), "env.json", text).unwrap();
+    let world = longstep_model::environment::parse(&load(&files).unwrap(), "env.json", text).unwrap();
     let mut execution = begin(&world, "rung(north) then rung(south)", Trust::Observed);
     observe(&mut execution, &[("<north>", ""), ("<south>", "")]);
     let first = order(&mut execution);

@@ -4,8 +4,10 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 use super::Order;
-use crate::environment::Observation;
-use crate::model::{Application, Atom, EntityId, PredicateId, Slot, StateVariable, Term, TypeId, World, entries_of};
+use longstep_model::environment::Observation;
+use longstep_model::model::{
+    Application, Atom, EntityId, PredicateId, Slot, StateVariable, Term, TypeId, World, entries_of,
+};
 
 /// The basis of a fact or number that no look of the end of a run has shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -140,7 +142,7 @@ impl Knowledge {
         for effect in &action.effects {
             match is_bound(&effect.atom.terms) {
                 true => {
-                    let fact = crate::model::ground(&effect.atom, arguments);
+                    let fact = longstep_model::model::ground(&effect.atom, arguments);
                     self.touched.insert(StateVariable::Fact(fact), now);
                 }
                 false => touch_all(&mut self.touched_facts, &effect.atom, (arguments, &effect.forall), now),

@@ -3,12 +3,12 @@
 use rustc_hash::FxHashSet;
 
 use super::{Event, Execution, ExecutionError, Phase, Stop};
-use crate::environment::{Observation, Statements};
-use crate::model::{
+use longstep_model::environment::{Observation, Statements};
+use longstep_model::model::{
     Changes, Difference, Fact, Fluent, State, StateVariable, StepPattern, Voice, World, apply, assigned,
     broken_bindings, changed_facts, fact_text, fired,
 };
-use crate::search::GroundAction;
+use longstep_search::search::GroundAction;
 
 /// A difference between the expected and the observed world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub enum Noticed {
     /// A fact holds in exactly one of them.
     Fact(Difference),
     /// A number differs; with the state that has the observed number.
-    Number(Fluent, crate::model::Number),
+    Number(Fluent, longstep_model::model::Number),
 }
 
 impl Noticed {

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::monitor::Noticed;
 use super::{Proposal, Unseen};
-use crate::model::{ActionId, EntityId, Fact, World};
-use crate::plan::StepId;
-use crate::search::WhyNot;
+use longstep_model::model::{ActionId, EntityId, Fact, World};
+use longstep_search::search::WhyNot;
+use longstep_verify::plan::StepId;
 
 /// The beginning of the sentence for [`Stop::Robot`].
 pub(super) const ROBOT_FAILED: &str = "the robot failed: ";

@@ -5,10 +5,10 @@ use rustc_hash::FxHashSet;
 use super::evidence::Looks;
 use super::monitor::Completed;
 use super::{Approval, Event, Execution, ExecutionError, Need, Order, Subject, Watch};
-use crate::cursor::CursorError;
-use crate::model::{Fact, Moment, StateVariable, apply, holds};
-use crate::plan::{Step, StepId};
-use crate::search::GroundAction;
+use longstep_model::model::{Fact, Moment, StateVariable, apply, holds};
+use longstep_search::search::GroundAction;
+use longstep_verify::cursor::CursorError;
+use longstep_verify::plan::{Step, StepId};
 
 impl Execution {
     /// Orders a step, unless it has to be assessed first.

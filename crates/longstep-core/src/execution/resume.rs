@@ -4,14 +4,14 @@ use super::event::FORMAT;
 use super::evidence::Looks;
 use super::written::{messages, written_outcome};
 use super::{Aim, Approval, BeginError, Event, Execution, ExecutionError, Phase, Settings, Trust, Unseen};
-use crate::diagnostic::Diagnostics;
-use crate::environment;
-use crate::goal::{self, Goal, GoalError};
-use crate::json::Path;
-use crate::model::{Domain, PredicateId, Prohibition, World};
-use crate::plan::{PlanFile, Step, TaskCohesion, TreeError, Violation, read_tree, resolve};
-use crate::skill::Skills;
-use crate::verify::{Purpose, VerifiedPlan, bind_tree, check};
+use longstep_model::diagnostic::Diagnostics;
+use longstep_model::environment;
+use longstep_model::json::Path;
+use longstep_model::model::{Domain, PredicateId, Prohibition, World};
+use longstep_search::goal::{self, Goal, GoalError};
+use longstep_verify::plan::{PlanFile, Step, TaskCohesion, TreeError, Violation, read_tree, resolve};
+use longstep_verify::skill::Skills;
+use longstep_verify::verify::{Purpose, VerifiedPlan, bind_tree, check};
 
 /// The reason why an execution cannot be taken up again.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::PredicateId;
-use crate::skill::Skills;
+use longstep_model::model::PredicateId;
+use longstep_verify::skill::Skills;
 
 /// When a person is asked.
 ///

@@ -1,10 +1,10 @@
 use super::*;
-use crate::domain;
-use crate::environment::{self, EntityId, fact_of};
-use crate::goal;
-use crate::model::{Domain, Fact, Moment, PredicateId, apply, holds};
-use crate::search::{Limits, Outcome, solve};
-use crate::verify::{VerifiedPlan, check};
+use longstep_model::domain;
+use longstep_model::environment::{self, EntityId, fact_of};
+use longstep_model::model::{Domain, Fact, Moment, PredicateId, apply, holds};
+use longstep_search::goal;
+use longstep_search::search::{Limits, Outcome, solve};
+use longstep_verify::verify::{VerifiedPlan, check};
 
 const KITCHEN: &str = r#"{"assets": ["<table>", "<shelf>", "<fridge>", "<bin>"],
     "objects": ["<cup>", "<pen>", "<milk>", "<fridge_handle>"],
@@ -596,7 +596,7 @@ fn values_for_a_step_come_with_that_step_and_no_other() {
         {"arguments": ["<fridge_handle>"], "step": open + 1, "values": {"place": [1, 0, 0]}},
         {"arguments": ["<fridge_handle>"], "step": close + 1, "values": {"place": [2, 0, 0]}},
     ]});
-    let skills = crate::skill::Skills::from_value(world.domain(), skills).unwrap();
+    let skills = longstep_verify::skill::Skills::from_value(world.domain(), skills).unwrap();
     let grasp = open as u64 + 2;
     let opened = ["-<fridge_handle> closed()", "+<fridge_handle> open()"];
     let stolen = ["-<milk> inside_something(<fridge>)", "+<milk> on_something(<shelf>)"];

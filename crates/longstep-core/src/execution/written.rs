@@ -1,9 +1,9 @@
 //! Steps and outcomes as calls, violations as sentences.
 
-use crate::call::Call;
-use crate::goal::Goal;
-use crate::model::{ActionId, EntityId, Fact, World};
-use crate::plan::{Step, Violation};
+use longstep_model::call::Call;
+use longstep_model::model::{ActionId, EntityId, Fact, World};
+use longstep_search::goal::Goal;
+use longstep_verify::plan::{Step, Violation};
 
 /// Writes an action with all its arguments, those that calls omit included.
 pub(super) fn written_step(world: &World, action: ActionId, arguments: &[EntityId]) -> String {
@@ -32,5 +32,6 @@ pub(super) fn written_outcome(world: &World, fact: Fact) -> String {
 
 /// Writes violations of a plan with these steps, made for a goal if it is known, as sentences for a person.
 pub(super) fn messages(world: &World, violations: &[Violation], steps: &[Step], goal: Option<&Goal>) -> Vec<String> {
+    let goal = goal.map(Goal::as_sentences);
     violations.iter().map(|own| own.message(world, steps, goal)).collect()
 }

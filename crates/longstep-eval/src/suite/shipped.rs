@@ -6,7 +6,7 @@ use include_dir::{Dir, include_dir};
 
 use super::Files;
 
-static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../suites");
+static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/suites");
 
 /// The names of the shipped suites, sorted.
 pub fn shipped_names() -> Vec<&'static str> {

@@ -28,7 +28,7 @@ pub struct Case {
 
 /// Reads the goals of the suites with these names that have a plan in the initial world of their scene.
 pub fn cases(suites: &[&str]) -> Vec<Case> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../suites");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../longstep-eval/suites");
     suites
         .iter()
         .flat_map(|suite| of_suite(&root.join(suite), suite))

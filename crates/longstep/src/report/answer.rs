@@ -405,7 +405,7 @@ impl Answer {
         answer.assumptions = report.assumptions.iter().map(|a| a.message(world)).collect();
         let odd = report.warnings.iter();
         answer.notes = odd
-            .map(|warning| warning.message(world, report.plan.steps(), goal))
+            .map(|warning| warning.message(world, report.plan.steps(), goal.map(Goal::as_sentences)))
             .collect();
         answer
             .notes
@@ -533,7 +533,7 @@ impl ViolationAnswer {
                 .iter()
                 .map(|fact| Voice::Person.fact(world, *fact, true))
                 .collect(),
-            message: violation.message(world, steps, goal),
+            message: violation.message(world, steps, goal.map(Goal::as_sentences)),
         }
     }
 }

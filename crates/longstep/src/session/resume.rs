@@ -179,7 +179,8 @@ impl Session {
         let report = check(&self.world, plan, &purpose);
         let plan = report.into_verified().map_err(|report| {
             let violations = report.violations.iter();
-            let messages = violations.map(|v| v.message(&self.world, report.plan.steps(), goal.as_ref()));
+            let goal = goal.as_ref().map(Goal::as_sentences);
+            let messages = violations.map(|v| v.message(&self.world, report.plan.steps(), goal));
             invalid(messages.collect::<Vec<_>>().join("; "))
         })?;
         self.carry_on(Accepted {

@@ -12,8 +12,8 @@ const FLAT: &str = r#"{"assets": ["<thermostat>", "<oven>"], "objects": ["<pie>"
 
 fn home() -> longstep_core::domain::Domain {
     let files = Files {
-        pddl: include_str!("../../../longstep-core/tests/home/domain.pddl").to_owned(),
-        words: include_str!("../../../longstep-core/tests/home/domain.toml").to_owned(),
+        pddl: include_str!("../../../longstep-model/tests/domains/home/domain.pddl").to_owned(),
+        words: include_str!("../../../longstep-model/tests/domains/home/domain.toml").to_owned(),
         ..Files::default()
     };
     load(&files).unwrap_or_else(|findings| panic!("{findings}"))

@@ -51,7 +51,7 @@ pub fn why(world: &World, plan: &Plan, purpose: &Purpose, goal: Option<&Goal>, s
     for mut violation in check(world, left, purpose).violations {
         // Messages number the steps as in the whole plan.
         violation.renumber(|number| if number >= step.index() { number + 1 } else { number });
-        violations.push(violation.message(world, plan.steps(), goal));
+        violations.push(violation.message(world, plan.steps(), goal.map(Goal::as_sentences)));
     }
     Why {
         brings_about,

@@ -4,6 +4,7 @@ use longstep::domain::{self, Files};
 use longstep::report;
 use longstep::report::Status;
 use longstep_core::pddl;
+use longstep_core::verify::Purpose;
 
 use super::{LARGEST, Row, Work, fill, nest};
 
@@ -26,7 +27,7 @@ fn planned(domain: String, problem: String) -> Work {
             Ok(problem) => problem,
             Err(_) => return false,
         };
-        let purpose = problem.purpose();
+        let purpose = Purpose::from(&problem);
         let found = report::of_purpose(&problem.world, &purpose, None, "", &longstep::Limits::default(), || 0.0);
         let _ = pddl::write_problem(&problem.world, &purpose, "again");
         found.answer.status == Status::Verified
@@ -74,7 +75,7 @@ fn checked(parameters: &str, precondition: &str, effect: &str, objects: usize, s
         let explained = |step: longstep_core::search::GroundAction| {
             longstep_core::plan::Step::explained(&problem.world, step.action, step.arguments)
         };
-        let purpose = problem.purpose();
+        let purpose = Purpose::from(&problem);
         let plan = steps.into_iter().map(explained).collect();
         let report = longstep_core::verify::check(&problem.world, plan, &purpose);
         report.into_verified().is_ok()

@@ -1,0 +1,21 @@
+//! Robots, environments and worlds as data.
+//!
+//! The modules are layers; none imports one below it in this list:
+//!
+//! - [`call`], [`diagnostic`], [`json`], [`literal`], [`visible`], [`secret`], [`effort`]: calls, source positions, JSON
+//!   and Python literals, escaping, the removal of passwords, and budgets of work.
+//! - [`model`]: domains, facts, states and worlds.
+//! - [`domain`], [`environment`]: domains and worlds read from files, and written. The shipped domains are in this crate.
+//! - [`geometry`]: environments from scenes of boxes with poses.
+
+pub mod call;
+pub mod diagnostic;
+pub mod domain;
+pub mod effort;
+pub mod environment;
+pub mod geometry;
+pub mod json;
+pub mod literal;
+pub mod model;
+pub mod secret;
+pub mod visible;

@@ -1,0 +1,251 @@
+//! Stages of a goal: which goals of earlier stages still hold at the end.
+
+use super::exclusion::{Literals, alternatives, excludes};
+use super::{Goal, GoalFact};
+use crate::search::ground_condition;
+use longstep_model::effort;
+use longstep_model::model::{
+    Atom, Condition, Domain, EntityId, Fact, GroundTest, Moment, Term, Wanted, When, World, holds, unify,
+};
+use longstep_verify::verify::Milestone;
+
+impl Goal {
+    /// Returns the ranges of facts of the stages, in order; one range for a goal without order.
+    pub(super) fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+        let ends = self.stages.iter().copied().chain([self.facts.len()]);
+        let starts = [0].into_iter().chain(self.stages.iter().copied());
+        starts.zip(ends).map(|(start, end)| start..end)
+    }
+
+    /// Returns the goal with an order where it has none and asks for what cannot hold together of one thing: such goals are achieved one
+    /// after the other, as they were said. None if nothing has to be ordered, or if the goal has groups. Two things in one hand remain a
+    /// goal without a plan.
+    ///
+    /// ```
+    /// use longstep_model::{domain, environment};
+    /// use longstep_search::goal;
+    /// let household = domain::shipped("household").unwrap()?;
+    /// let world = environment::parse(&household, "desk.json", r#"{"assets": ["<desk>", "<shelf>"],
+    ///     "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// let goal = goal::parse(&world, "put(pen, shelf) & put(pen, desk)")?;
+    /// assert_eq!(goal.in_order(&world).unwrap().text(&world), "put(pen, shelf) then put(pen, desk)");
+    /// assert!(goal::parse(&world, "put(pen, shelf)")?.in_order(&world).is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn in_order(&self, world: &World) -> Option<Self> {
+        if !self.stages.is_empty() || !self.groups.is_empty() {
+            return None;
+        }
+        let mut stages: Vec<usize> = Vec::new();
+        for next in 1..self.facts.len() {
+            let start = stages.last().copied().unwrap_or(0);
+            let two = Self {
+                facts: self.facts[start..=next].to_vec(),
+                stages: vec![next - start],
+                ..Self::default()
+            };
+            let subject = |index: usize| self.facts[index].subject(world.domain());
+            let kept = two.kept(world);
+            if (start..next).any(|index| !kept[index - start] && subject(index) == subject(next)) {
+                stages.push(next);
+            }
+        }
+        (!stages.is_empty()).then(|| Self { stages, ..self.clone() })
+    }
+
+    /// Returns the conditions of each stage; `all` has the condition of each goal.
+    ///
+    /// A goal of a later stage must be achieved anew, unless it holds from the beginning, or it holds whenever the stage
+    /// before it is achieved: a box is put down at the dock only by a robot that is there.
+    pub(super) fn milestones(&self, world: &World, all: &[Wanted]) -> Vec<Vec<Milestone>> {
+        let moment = Moment {
+            world,
+            state: &world.state,
+        };
+        let needs: Vec<Vec<Needs>> = self.facts.iter().map(|fact| Needs::of(world, fact)).collect();
+        // One goal of a choice is achieved, and it is open which.
+        let is_definite = |index: &usize| !matches!(self.facts[*index], GoalFact::Choice(_));
+        let mut before = 0..0;
+        let mut stages = Vec::new();
+        for range in self.ranges() {
+            let milestone = |index: usize| {
+                let wanted = all[index].clone();
+                let initially = holds(moment, &wanted.condition, &mut wanted.bindings.clone());
+                let implied = || {
+                    let earlier = before.clone().filter(is_definite).flat_map(|index| &needs[index]);
+                    let earlier: Vec<&Needs> = earlier.collect();
+                    let follows = |leaf: usize| needs[index][leaf].follow_from(world, &earlier);
+                    match &self.facts[index] {
+                        GoalFact::Choice(choice) => choice.is_possible(&follows),
+                        _ => (0..needs[index].len()).all(follows),
+                    }
+                };
+                let anew = range.start > 0 && !initially && !implied();
+                Milestone { wanted, anew }
+            };
+            stages.push(range.clone().map(milestone).collect());
+            before = range;
+        }
+        stages
+    }
+
+    /// By fact: true if it must hold at the end. A goal of an earlier stage need not if one of a later stage cannot
+    /// hold together with it.
+    pub(super) fn kept(&self, world: &World) -> Vec<bool> {
+        let mut kept = vec![true; self.facts.len()];
+        if self.stages.is_empty() {
+            return kept;
+        }
+        let of_goal = |fact| GoalNeeds {
+            fact,
+            whole: Needs::of_part(world, fact),
+            parts: Needs::of(world, fact),
+        };
+        let needs: Vec<GoalNeeds> = self.facts.iter().map(of_goal).collect();
+        for range in self.ranges() {
+            for earlier in range.clone() {
+                kept[earlier] = needs[earlier].last(world, &needs[range.end..]);
+            }
+        }
+        kept
+    }
+}
+
+/// The needs of a goal as a whole, and of the goals without conditions and groups in it.
+struct GoalNeeds<'g> {
+    fact: &'g GoalFact,
+    whole: Needs<'g>,
+    parts: Vec<Needs<'g>>,
+}
+
+impl GoalNeeds<'_> {
+    /// Returns false if one of the later goals excludes this one.
+    fn last(&self, world: &World, later: &[GoalNeeds]) -> bool {
+        let lasts = |part: usize| !later.iter().any(|other| other.excludes_part(world, &self.parts[part]));
+        let possible = match self.fact {
+            GoalFact::Choice(choice) => choice.is_possible(&lasts),
+            _ => (0..self.parts.len()).all(lasts),
+        };
+        let is_choice = |own: &GoalNeeds| matches!(own.fact, GoalFact::Choice(_));
+        let excludes = |other: &GoalNeeds| {
+            let has_conditions = self.fact.is_conditional() || other.fact.is_conditional();
+            (is_choice(self) || is_choice(other)) && !has_conditions && self.whole.excludes(world, &other.whole)
+        };
+        possible && !later.iter().any(excludes)
+    }
+
+    /// Returns true if this goal cannot hold together with a part of another one.
+    fn excludes_part(&self, world: &World, part: &Needs) -> bool {
+        let mut own = self.parts.iter();
+        match self.fact {
+            GoalFact::Choice(_) => own.all(|own| own.excludes(world, part)),
+            _ => own.any(|own| own.excludes(world, part)),
+        }
+    }
+}
+
+/// The needs of a goal: the literals of each of its alternatives.
+struct Needs<'g> {
+    fact: &'g GoalFact,
+    /// Empty if there are too many alternatives.
+    alternatives: Vec<Literals>,
+}
+
+impl<'g> Needs<'g> {
+    /// Returns the needs of each goal without conditions and groups in a goal.
+    fn of(world: &World, fact: &'g GoalFact) -> Vec<Self> {
+        let leaves = fact.leaves().into_iter();
+        leaves.map(|fact| Self::of_part(world, fact)).collect()
+    }
+
+    fn of_part(world: &World, fact: &'g GoalFact) -> Self {
+        let wanted = fact.wanted(world.domain(), &[]);
+        let ground = ground_condition(world, &wanted.condition, &wanted.bindings);
+        Self {
+            fact,
+            alternatives: alternatives(&ground).unwrap_or_default(),
+        }
+    }
+
+    /// Returns true if an alternative of the goal holds whenever the earlier goals are achieved.
+    fn follow_from(&self, world: &World, earlier: &[&Needs]) -> bool {
+        let achieved = earlier.iter().filter_map(|earlier| match &earlier.alternatives[..] {
+            [literals] => Some(literals),
+            _ => None,
+        });
+        let achieved: Vec<Fact> = achieved
+            .flat_map(|literals| &literals.facts)
+            .filter(|(_, holds)| *holds)
+            .map(|(fact, _)| *fact)
+            .collect();
+        let follows = |(fact, holds): &(Fact, bool)| {
+            *holds && (world.state.holds(*fact) || achieved.iter().any(|done| implies(world, *done, *fact)))
+        };
+        let holds = |test: &GroundTest| test.holds(&|fluent| world.state.number(*fluent));
+        self.alternatives
+            .iter()
+            .any(|literals| literals.facts.iter().all(follows) && literals.tests.iter().all(holds))
+    }
+
+    /// Returns true if two goals cannot hold in one state.
+    fn excludes(&self, world: &World, other: &Needs) -> bool {
+        let pairs = || {
+            let mut pairs = self
+                .alternatives
+                .iter()
+                .flat_map(|own| other.alternatives.iter().map(move |them| (own, them)));
+            pairs.all(|(own, them)| excludes(world, own, them))
+        };
+        let known = !self.alternatives.is_empty() && !other.alternatives.is_empty();
+        self.is_of_the_group_of(world.domain(), other) || known && pairs()
+    }
+
+    /// Returns true if both are goals of one group of the domain with the same first argument.
+    fn is_of_the_group_of(&self, domain: &Domain, other: &Needs) -> bool {
+        let group = |fact: &GoalFact| match fact {
+            GoalFact::Word { word, arguments } => {
+                Some((domain.goal_word(*word).exclusive.clone()?, *arguments.first()?))
+            }
+            _ => None,
+        };
+        self.fact != other.fact && group(self.fact).is_some_and(|own| group(other.fact) == Some(own))
+    }
+}
+
+/// Returns true if some action can make the first fact true, and each that can requires the second one.
+fn implies(world: &World, made: Fact, required: Fact) -> bool {
+    let mut makers = 0;
+    for action in &world.domain().actions {
+        for effect in action.effects.iter().filter(|effect| effect.adds) {
+            let mut arguments = vec![None; action.parameters.len()];
+            if effect.atom.predicate != made.predicate() || !unify(&effect.atom, made, &mut arguments) {
+                continue;
+            }
+            makers += 1;
+            let mut conditions = action.precondition.conjuncts().chain(effect.condition.conjuncts());
+            let requires = conditions.any(|part| match part {
+                Condition::Atom {
+                    atom,
+                    holds: true,
+                    at: When::Now,
+                } => atom.predicate == required.predicate() && is(atom, required, &arguments),
+                _ => false,
+            });
+            if !effort::spend(action.parameters.len()) || !requires {
+                return false;
+            }
+        }
+    }
+    makers > 0
+}
+
+/// Returns true if an atom is the fact, whatever the open parameters are.
+fn is(atom: &Atom, fact: Fact, arguments: &[Option<EntityId>]) -> bool {
+    atom.terms.iter().enumerate().all(|(place, term)| {
+        let entity = match *term {
+            Term::Constant(constant) => Some(constant),
+            Term::Variable(slot) => arguments.get(slot).copied().flatten(),
+        };
+        entity == Some(fact.argument(place))
+    })
+}

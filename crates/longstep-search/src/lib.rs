@@ -1,0 +1,11 @@
+//! Goals, search and repair.
+//!
+//! - [`goal`]: goals over the goal words of a domain.
+//! - [`search`], [`repair`], [`schedule`]: plans from goals, from invalid plans, and for several actors.
+//! - [`pddl`]: tasks and plans of other planners.
+
+pub mod goal;
+pub mod pddl;
+pub mod repair;
+pub mod schedule;
+pub mod search;

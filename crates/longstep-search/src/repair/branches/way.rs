@@ -1,0 +1,178 @@
+//! Execution paths of a draft as sequential drafts.
+
+use super::super::{Pins, Reach, Unwanted};
+use super::draft::{Draft, Part};
+use longstep_model::model::{Domain, Fact, State, World};
+use longstep_verify::plan::{Node, Resolved, StepId, Test};
+use longstep_verify::verify::apply;
+
+/// Order in which sensing outcomes are followed.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Order {
+    FirstOutcome,
+    LastOutcome,
+}
+
+/// One execution path of the draft.
+#[derive(Debug, Default)]
+pub(super) struct Way {
+    /// The steps with their blocks; none for sensing steps of conditions.
+    pub(super) steps: Vec<(usize, Option<usize>)>,
+    /// The block in which the path ends.
+    pub(super) last: usize,
+    /// Sensing outcomes on the path, with the positions of the sensing steps.
+    pub(super) outcomes: Vec<(usize, Fact)>,
+    /// Sensing outcomes at loop conditions.
+    pub(super) looped: Vec<Fact>,
+    /// For each decision, the chosen outcome and the number of outcomes.
+    pub(super) decisions: Vec<(usize, usize)>,
+}
+
+impl Draft {
+    /// Follows the given decisions, then the first outcome of each further one, as if every step were applicable.
+    pub(super) fn way(&self, world: &World, decisions: &[(usize, usize)], order: Order) -> Way {
+        let domain = world.domain();
+        let mut follower = Follower {
+            draft: self,
+            domain,
+            world,
+            state: world.state.clone(),
+            given: decisions,
+            order,
+            way: Way::default(),
+        };
+        follower.block(0);
+        follower.way
+    }
+
+    /// Converts the path to a sequential draft, with pins for its fixed steps: steps on settled paths, sensing steps,
+    /// and the user's pins.
+    pub(super) fn linear(&self, resolved: &Resolved, way: &Way, pins: &Pins) -> (Resolved, Pins) {
+        let items = || way.steps.iter().map(|(number, _)| &self.items[*number]);
+        let body = (0..way.steps.len())
+            .map(|index| Node::Step(StepId::new(index)))
+            .collect();
+        let linear = Resolved {
+            steps: items().map(|item| Some(item.step.clone())).collect(),
+            written: items().map(|item| item.written.clone()).collect(),
+            body,
+            objects: resolved.objects.clone(),
+            ..Resolved::default()
+        };
+        let kept = way.steps.iter().enumerate().filter(|(place, (number, _))| {
+            let item = &self.items[*number];
+            let pinned = item.drafted().is_some_and(|number| pins.kept.contains(&number));
+            pinned || item.settled || way.outcomes.iter().any(|(sensed, _)| sensed == place)
+        });
+        let pins = Pins {
+            kept: kept.map(|(place, _)| place).collect(),
+            unwanted: pins.unwanted.iter().filter_map(|out| self.on(way, out)).collect(),
+        };
+        (linear, pins)
+    }
+
+    /// Translates a prohibition to a position on the path; none if it concerns a position elsewhere.
+    fn on(&self, way: &Way, unwanted: &Unwanted) -> Option<Unwanted> {
+        let place_of = |drafted: usize| {
+            let drafted = |(number, _): &(usize, Option<usize>)| self.items[*number].drafted() == Some(drafted);
+            way.steps.iter().position(drafted)
+        };
+        let behind = || place_of(unwanted.before.checked_sub(1)?).map(|place| place + 1);
+        let here = place_of(unwanted.before).or_else(behind);
+        let before = match unwanted.reach {
+            Reach::Here => here?,
+            Reach::ThisStep | Reach::ThisAction => here.unwrap_or(way.steps.len()),
+        };
+        Some(Unwanted {
+            before,
+            ..unwanted.clone()
+        })
+    }
+}
+
+/// Follows one execution path of a draft.
+struct Follower<'a> {
+    draft: &'a Draft,
+    domain: &'a Domain,
+    world: &'a World,
+    state: State,
+    given: &'a [(usize, usize)],
+    order: Order,
+    way: Way,
+}
+
+impl Follower<'_> {
+    fn block(&mut self, block: usize) {
+        self.way.last = block;
+        for part in &self.draft.blocks[block] {
+            match part {
+                Part::Step(number) => {
+                    self.step(*number, Some(block));
+                }
+                Part::If(test, then, otherwise) => {
+                    let side = if self.test(test) { then } else { otherwise };
+                    self.block(*side);
+                }
+                // One iteration suffices to find the errors in the body.
+                Part::While(test, body) => {
+                    let before = self.way.outcomes.len();
+                    let goes_on = self.test(test);
+                    let outcomes = self.way.outcomes[before..].iter().map(|(_, fact)| *fact);
+                    self.way.looped.extend(outcomes);
+                    if goes_on {
+                        self.block(*body);
+                        self.way.last = block;
+                    }
+                }
+                Part::Repeat(times, body) => {
+                    if *times > 0 {
+                        self.block(*body);
+                        self.way.last = block;
+                    }
+                }
+                Part::Remark(_) => {}
+            }
+        }
+    }
+
+    /// Executes a step; returns the index of its outcome if it senses.
+    fn step(&mut self, number: usize, block: Option<usize>) -> Option<usize> {
+        let item = &self.draft.items[number];
+        let (action, arguments) = (self.domain.action(item.step.action), &item.bound);
+        self.way.steps.push((number, block));
+        apply(self.world, &mut self.state, action, arguments);
+        let outcomes: Vec<Fact> = action
+            .senses
+            .iter()
+            .map(|atom| longstep_model::model::ground(atom, arguments))
+            .collect();
+        if outcomes.is_empty() {
+            return None;
+        }
+        let known = outcomes.iter().position(|fact| self.state.holds(*fact));
+        let taken = known.unwrap_or_else(|| self.decide(outcomes.len()));
+        self.state.set(outcomes[taken], true);
+        self.way.outcomes.push((self.way.steps.len() - 1, outcomes[taken]));
+        Some(taken)
+    }
+
+    fn decide(&mut self, of: usize) -> usize {
+        let given = self.given.get(self.way.decisions.len());
+        let taken = given.map_or(0, |(taken, _)| *taken);
+        self.way.decisions.push((taken, of));
+        match self.order {
+            Order::FirstOutcome => taken,
+            Order::LastOutcome => of - 1 - taken,
+        }
+    }
+
+    fn test(&mut self, test: &Test) -> bool {
+        match test {
+            Test::Sense(step) => self.step(step.index(), None) == Some(0),
+            Test::Holds(fact) => self.state.holds(*fact),
+            Test::Not(inner) => !self.test(inner),
+            Test::All(parts) => parts.iter().all(|part| self.test(part)),
+            Test::Any(parts) => parts.iter().any(|part| self.test(part)),
+        }
+    }
+}

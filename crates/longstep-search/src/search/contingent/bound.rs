@@ -1,0 +1,120 @@
+//! Lower bound on the worst-case cost of a contingent plan.
+//!
+//! A plan must work for all sensing outcomes. So it must also work if one unknown fact always has the same outcome, and
+//! there it costs at least as much as a plan that knows the outcome in advance. For each outcome of each unknown fact,
+//! the bound of the task restricted to that outcome is therefore a lower bound. The largest of them bounds the worst
+//! case. If one of them is infinite, no plan works for that outcome.
+
+use rustc_hash::FxHashMap;
+
+use crate::search::bits::Bits;
+use crate::search::landmark_cut::LandmarkCut;
+use crate::search::operator::Operator;
+use crate::search::task::Task;
+use longstep_model::effort;
+
+/// Alternative outcomes of sensing, exactly one of which holds: their fact numbers, sorted.
+type Group = Vec<u32>;
+
+/// Lower bounds for the states of one task.
+#[derive(Debug)]
+pub(super) struct Bounds {
+    /// Optimistic bound: sensing has the best outcome.
+    wishful: LandmarkCut,
+    groups: Vec<(Group, Vec<LandmarkCut>)>,
+    known: FxHashMap<Bits, Estimate>,
+    /// Number of evaluated states.
+    pub(super) looked_at: usize,
+}
+
+/// Heuristic estimate for a state.
+#[derive(Debug, Clone)]
+pub(super) struct Estimate {
+    /// Lower bound on the worst-case cost; none if there is no plan.
+    pub(super) cost: Option<u32>,
+    /// Operators of which every plan contains some, sorted.
+    pub(super) preferred: Vec<u32>,
+}
+
+impl Bounds {
+    /// Prepares the bounds. If `looping`, repeated sensing may have different outcomes, so only the optimistic bound is
+    /// valid.
+    pub(super) fn new(task: &Task, looping: bool) -> Self {
+        let groups = match looping {
+            true => Vec::new(),
+            false => groups(task),
+        };
+        let bounds = |group: Group| {
+            let alone = |outcome: &u32| LandmarkCut::new(&only(task, &group, *outcome));
+            let affordable = group.iter().take_while(|_| !effort::is_exhausted());
+            let bounds = affordable.map(alone).collect();
+            (group, bounds)
+        };
+        Self {
+            wishful: LandmarkCut::new(task),
+            groups: groups.into_iter().map(bounds).collect(),
+            known: FxHashMap::default(),
+            looked_at: 0,
+        }
+    }
+
+    /// Returns the bound for a state.
+    pub(super) fn estimate(&mut self, state: &Bits) -> Estimate {
+        if let Some(known) = self.known.get(state) {
+            return known.clone();
+        }
+        self.looked_at += 1;
+        let mut estimate = Estimate {
+            cost: Some(0),
+            preferred: Vec::new(),
+        };
+        let mut take = |bound: &mut LandmarkCut| {
+            let found = bound.estimate(|fact| state.holds(fact));
+            estimate.cost = estimate.cost.and_then(|cost| Some(cost.max(found.cost?)));
+            if estimate.preferred.is_empty() {
+                estimate.preferred = found.preferred;
+            }
+            estimate.cost.is_some()
+        };
+        let unknown = |group: &Group| group.iter().all(|fact| !state.holds(*fact));
+        let mut open = self.groups.iter_mut().filter(|(group, _)| unknown(group)).peekable();
+        if open.peek().is_none() {
+            take(&mut self.wishful);
+        } else {
+            open.flat_map(|(_, bounds)| bounds).all(take);
+        }
+        effort::spend(8 + estimate.preferred.len() / 8);
+        self.known.insert(state.clone(), estimate.clone());
+        estimate
+    }
+}
+
+/// Returns the groups of alternative sensing outcomes in a task.
+pub(super) fn groups(task: &Task) -> Vec<Group> {
+    let mut by_step: FxHashMap<_, Group> = FxHashMap::default();
+    for operator in task.operators.iter().filter(|operator| operator.outcome.is_some()) {
+        by_step.entry(&operator.step).or_default().extend(outcome(operator));
+    }
+    let mut groups: Vec<Group> = by_step.into_values().collect();
+    groups.iter_mut().for_each(|group| group.sort_unstable());
+    groups.sort_unstable();
+    groups.dedup();
+    groups
+}
+
+/// Returns the fact that a sensing operator reveals.
+pub(super) fn outcome(operator: &Operator) -> Option<u32> {
+    operator.outcome?;
+    operator.effects.first().map(|effect| effect.literal.fact)
+}
+
+/// Restricts sensing of the group to this outcome.
+pub(super) fn only(task: &Task, group: &Group, alone: u32) -> Task {
+    effort::spend(32 * task.units());
+    let mut task = task.clone();
+    task.operators.retain(|operator| {
+        let alternative = outcome(operator);
+        alternative.is_none_or(|fact| fact == alone || group.binary_search(&fact).is_err())
+    });
+    task
+}

@@ -1,0 +1,15 @@
+//! Robot plans and their verification.
+//!
+//! The modules are layers; none imports one below it in this list:
+//!
+//! - [`plan`]: plans as trees, their notations, and violations.
+//! - [`skill`]: the values of skill parameters.
+//! - [`verify`]: simulates a plan; a report without violations yields a [`verify::VerifiedPlan`].
+//! - [`message`]: violations and assumptions as sentences.
+//! - [`cursor`]: a position in a verified plan.
+
+pub mod cursor;
+pub mod message;
+pub mod plan;
+pub mod skill;
+pub mod verify;

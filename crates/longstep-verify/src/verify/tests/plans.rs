@@ -1,0 +1,219 @@
+//! Tests from plans to messages.
+
+use super::super::*;
+use crate::plan::{TaskCohesion, resolve};
+use longstep_model::domain;
+use longstep_model::environment::{self};
+use longstep_model::json::Path;
+use longstep_model::model::Environment;
+
+const KITCHEN: &str = r#"{
+    "assets": ["<desk_1>", "<oven_2>", "<shelf_3>"],
+    "objects": ["<pie_4>", "<mug_5>"],
+    "object_states": {"<pie_4>": ["ON(<desk_1>)"], "<mug_5>": ["INSIDE(<oven_2>)"]},
+    "asset_properties": {"<oven_2>": ["IS_OPENABLE"], "<desk_1>": ["NOT_OPENABLE"], "<shelf_3>": ["NOT_OPENABLE"]}}"#;
+
+fn report(world: &World, calls: &[&str], object: Option<&str>) -> Report {
+    let written = TaskCohesion {
+        task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
+        object_name: object.map(str::to_owned),
+        ..TaskCohesion::default()
+    };
+    let resolved = resolve(world, &written);
+    let (plan, _) = bind(world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap();
+    check(world, plan, &Purpose::default())
+}
+
+#[track_caller]
+fn check_messages(calls: &[&str], expected: &[&str]) {
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let environment = Environment::from_json(KITCHEN).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", KITCHEN, &Path::default()).unwrap();
+    let report = report(&world, calls, None);
+    let messages: Vec<_> = report
+        .violations
+        .iter()
+        .map(|v| v.message(&world, report.plan.steps(), None))
+        .collect();
+    assert_eq!(messages, expected);
+    assert_eq!(report.into_verified().is_ok(), expected.is_empty());
+}
+
+#[test]
+fn good_plans_pass() {
+    check_messages(
+        &[
+            "Walktowards(<desk_1>)",
+            "Grab(<pie_4>)",
+            "Walktowards(<shelf_3>)",
+            "Put(<pie_4>, <shelf_3>)",
+        ],
+        &[],
+    );
+    check_messages(&[], &[]);
+}
+
+#[test]
+fn what_is_missing_is_said() {
+    check_messages(
+        &["Grab(<pie_4>)"],
+        &["step 1: Grab(<pie_4>) needs that the pie is within reach"],
+    );
+    check_messages(
+        &["Walktowards(<oven_2>)", "Grab(<mug_5>)"],
+        &["step 2: Grab(<mug_5>) needs that the oven is not closed"],
+    );
+    check_messages(
+        &["Walktowards(<shelf_3>)", "Open(<shelf_3>)"],
+        &["step 2: Open(<shelf_3>) needs that the shelf can be opened"],
+    );
+}
+
+#[test]
+fn the_step_that_took_it_away_is_named() {
+    check_messages(
+        &["Walktowards(<desk_1>)", "Walktowards(<shelf_3>)", "Grab(<pie_4>)"],
+        &[
+            "step 3: Grab(<pie_4>) needs that the pie is within reach; since step 2 (Walktowards(<shelf_3>)), the pie is not within reach",
+        ],
+    );
+}
+
+#[test]
+fn rules_hold_at_the_end() {
+    check_messages(
+        &[
+            "Walktowards(<desk_1>)",
+            "Grab(<pie_4>)",
+            "Walktowards(<oven_2>)",
+            "Open(<oven_2>)",
+            "PutIn(<pie_4>, <oven_2>)",
+        ],
+        &["at the end: the oven must be closed and switched on, since the pie was put into it to be heated"],
+    );
+}
+
+#[test]
+fn what_a_verdict_rests_on_is_listed() {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<box>"], "objects": ["<box_lever>"], "object_states": {"<box_lever>": "closed()"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let calls = ["move_hand()", "grasp_object()", "open_by_slide()", "release_object()"];
+    let report = report(&world, &calls, Some("<box_lever>"));
+    assert_eq!(report.violations, vec![]);
+    let assumed: Vec<_> = report.assumptions.iter().map(|a| a.message(&world)).collect();
+    assert_eq!(assumed, ["the box lever slides (the environment does not say)"]);
+}
+
+#[test]
+fn where_calls_do_not_say_where_the_claim_does() {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>", "<bin>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let messages = |calls: &[&str]| -> Vec<String> {
+        let written = TaskCohesion {
+            task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
+            object_name: Some("<cup>".to_owned()),
+            ..TaskCohesion::default()
+        };
+        let resolved = resolve(&world, &written);
+        let purpose = Purpose {
+            claim: Some(environment::Claim::read(&world, &environment)),
+            ..Purpose::default()
+        };
+        let (plan, _) = bind(
+            &world,
+            &resolved.complete().unwrap(),
+            &resolved.objects,
+            purpose.claim.as_ref(),
+        )
+        .unwrap();
+        let report = check(&world, plan, &purpose);
+        let violations = report.violations.iter();
+        violations
+            .map(|v| v.message(&world, report.plan.steps(), None))
+            .collect()
+    };
+    let lifted = ["move_hand()", "grasp_object()", "detach_from_plane()", "move_object()"];
+    assert_eq!(
+        messages(&[&lifted[..], &["attach_to_plane()", "release_object()"]].concat()),
+        Vec::<String>::new()
+    );
+    // Without a step that puts it down, the cup can only have been dropped into the bin.
+    assert_eq!(
+        messages(&[&lifted[..], &["release_object()"]].concat()),
+        ["at the end, this is claimed and not so: the cup is on the table"]
+    );
+}
+
+#[test]
+fn a_hand_is_no_place() {
+    let domain = domain::shipped("household-dual").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>"], "objects": ["<cup>"], "object_states": {"<cup>": "inside_hand(right)"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let calls = ["move_object(right)", "attach_to_plane(right)", "release_object(right)"];
+    let written = TaskCohesion {
+        task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
+        object_name: Some("<cup>".to_owned()),
+        ..TaskCohesion::default()
+    };
+    let purpose = Purpose {
+        claim: Some(Claim::read(&world, &environment)),
+        ..Purpose::default()
+    };
+    let resolved = resolve(&world, &written);
+    let (plan, _) = bind_tree(&world, &resolved, purpose.claim.as_ref()).unwrap();
+    assert_eq!(check(&world, plan, &purpose).violations, vec![]);
+}
+
+#[test]
+fn a_claim_promises_nothing_of_what_it_is_silent_about() {
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let text = r#"{"assets": ["<room_1>", "<desk_2>"], "objects": ["<mug_4>"],
+        "asset_states": {"<desk_2>": ["INSIDE(<room_1>)"]}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let claimed = Environment::from_json(r#"{"assets": ["<desk_2>"], "objects": []}"#).unwrap();
+    let claim = Claim::read(&world, &claimed);
+    assert_eq!(claim.promises(&world), vec![]);
+}
+
+#[test]
+fn what_an_effect_depends_on_decides_what_can_come_about() {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
+        "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let inside = |place: &str| {
+        let claimed =
+            format!(r#"{{"objects": ["<milk>"], "object_states": {{"<milk>": "inside_something({place})"}}}}"#);
+        let claim = Claim::read(&world, &Environment::from_json(&claimed).unwrap());
+        let [promised] = claim.promises(&world)[..] else {
+            panic!("{claim:?}")
+        };
+        can_be_brought_about(&world, promised)
+    };
+    assert!(inside("<fridge>"));
+    assert!(!inside("<counter>"));
+}
+
+#[test]
+fn a_hidden_argument_of_sensing_is_what_a_later_condition_asks() {
+    let domain = domain::shipped("household-checks").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>", "<sponge>"],
+        "object_states": {"<cup>": "on_something(<table>)", "<sponge>": "on_something(<shelf>)"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    for place in ["<table>", "<shelf>"] {
+        let script = format!("move_hand()\ncheck_cleanness()\nif clean(\"{place}\"):\n    pass\n");
+        let written = TaskCohesion::from_written(crate::plan::script::read(&script).unwrap());
+        let resolved = resolve(&world, &written);
+        let (plan, _) = bind_tree(&world, &resolved, None).unwrap();
+        let report = check(&world, plan, &Purpose::default());
+        assert_eq!(report.violations, vec![], "{place}");
+    }
+}

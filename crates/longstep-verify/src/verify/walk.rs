@@ -1,0 +1,575 @@
+//! Simulation of every execution path of a plan.
+//!
+//! The walk keeps the set of states that are possible at a node. Sensing splits a state; paths that reach the same
+//! state are merged. Loops are followed until no new state occurs.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::history::{History, with_culprits};
+use super::loop_states::{LoopStates, kept_units};
+use super::order::Order;
+use super::way::Way;
+use super::{Purpose, StepClaim, Violation, claims, unmet};
+use crate::plan::{Node, Plan, StepId, Test, tree};
+use longstep_model::effort;
+use longstep_model::model::{
+    Bindings, ChangedLists, Domain, Fact, Moment, PredicateId, State, World, apply_onto, broken_bindings, ground,
+    holds, rests_on,
+};
+
+/// Maximum number of states at one node; a plan that exceeds it is rejected.
+pub const STATES: usize = 4_096;
+/// Work units for a step, besides those for its conditions and effects.
+const STEP: usize = 16;
+
+/// A finding on one or more paths.
+#[derive(Debug, Clone)]
+struct Found {
+    violation: Violation,
+    /// True for a warning.
+    odd: bool,
+    /// Sensing outcomes common to the paths with the finding; empty if it occurs on all paths.
+    when: Vec<Fact>,
+}
+
+/// State of the simulation: findings and scratch space.
+pub(super) struct Walk<'a> {
+    pub(super) domain: &'a Domain,
+    pub(super) world: &'a World,
+    pub(super) plan: &'a Plan,
+    pub(super) history: History,
+    pub(super) rested: FxHashSet<Fact>,
+    /// Claims of the steps, sorted by step.
+    claims: &'a [StepClaim],
+    order: Order<'a>,
+    found: Vec<Found>,
+    sensed: Vec<PredicateId>,
+    reached: Vec<bool>,
+    /// True if the state limit was exceeded.
+    stopped: bool,
+    bindings: Bindings,
+    fired: Vec<(Fact, bool)>,
+}
+
+impl<'a> Walk<'a> {
+    pub(super) fn new(world: &'a World, plan: &'a Plan, purpose: &'a Purpose) -> Self {
+        let domain = world.domain();
+        let sensed = domain.actions.iter().flat_map(|action| &action.senses);
+        let mut sensed: Vec<PredicateId> = sensed.map(|atom| atom.predicate).collect();
+        sensed.sort_unstable();
+        sensed.dedup();
+        Self {
+            domain,
+            world,
+            plan,
+            history: History::default(),
+            rested: FxHashSet::default(),
+            claims: &purpose.step_claims,
+            order: Order::new(world, purpose),
+            found: Vec::new(),
+            sensed,
+            reached: vec![false; plan.steps().len()],
+            stopped: false,
+            bindings: Vec::new(),
+            fired: Vec::new(),
+        }
+    }
+
+    /// Simulates the whole plan; returns the paths that reach its end, at least one.
+    pub(super) fn run(&mut self) -> Vec<Way> {
+        let mut start = Way {
+            state: self.world.state.clone(),
+            here: None,
+            broken: self.broken_always(&self.world.state),
+        };
+        self.progress(&mut start);
+        let mut ends = self.nodes(self.plan.body(), vec![start.clone()]);
+        if !self.is_stopped() {
+            let steps = 0..self.plan.steps().len();
+            let first = |step: &usize| !self.reached[*step] && (*step == 0 || self.reached[*step - 1]);
+            for step in steps.filter(first).collect::<Vec<_>>() {
+                self.odd(Violation::Unreached { step }, Vec::new());
+            }
+        }
+        if ends.is_empty() {
+            ends.push(start);
+        }
+        ends.sort_by_cached_key(|way| self.when(way));
+        ends
+    }
+
+    /// Returns the sensing outcomes of a path that are still known.
+    pub(super) fn when(&self, way: &Way) -> Vec<Fact> {
+        let known = self
+            .sensed
+            .iter()
+            .flat_map(|predicate| way.state.of_predicate(*predicate));
+        known.copied().filter(|fact| !self.world.state.holds(*fact)).collect()
+    }
+
+    pub(super) fn wrong(&mut self, violation: Violation, when: Vec<Fact>) {
+        self.found.push(Found {
+            violation,
+            odd: false,
+            when,
+        });
+    }
+
+    pub(super) fn odd(&mut self, violation: Violation, when: Vec<Fact>) {
+        self.found.push(Found {
+            violation,
+            odd: true,
+            when,
+        });
+    }
+
+    /// Runs `done` on each path. A finding on all paths no longer depends on sensing outcomes.
+    pub(super) fn each<T>(&mut self, ways: Vec<Way>, mut done: impl FnMut(&mut Self, Way) -> Vec<T>) -> Vec<T> {
+        let (count, from) = (ways.len(), self.found.len());
+        let mut all = Vec::with_capacity(count);
+        for way in ways {
+            let own = self.found.len();
+            all.extend(done(self, way));
+            // Interleavings of lanes repeat findings; each counts once per path.
+            if count > 1 && self.found.len() > own + 1 {
+                let together = joined(self.found.split_off(own), None);
+                self.found.extend(together);
+            }
+        }
+        if count > 1 && self.found.len() > from {
+            let together = joined(self.found.split_off(from), Some(count));
+            self.found.extend(together);
+        }
+        all
+    }
+
+    fn nodes(&mut self, nodes: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
+        for node in nodes {
+            if self.is_stopped() || ways.is_empty() {
+                return ways;
+            }
+            ways = match node {
+                Node::Step(id) => self.steps(*id, ways),
+                Node::If {
+                    condition,
+                    then,
+                    otherwise,
+                } => {
+                    let (yes, no) = self.test(condition, ways, first_of(node));
+                    let mut ends = self.nodes(then, yes);
+                    ends.extend(self.nodes(otherwise, no));
+                    self.merged(ends)
+                }
+                Node::While { condition, body } => self.repeated(condition, body, ways, first_of(node)),
+                Node::Repeat { times, body } => self.counted(*times, body, ways),
+                Node::Parallel { lanes } => {
+                    self.check_lanes(lanes);
+                    let ends = self.each(ways, |walk, way| walk.side_by_side(lanes, way));
+                    self.merged(ends)
+                }
+                Node::Remark(_) => ways,
+            };
+            if ways.len() > STATES {
+                self.stop(first_of(node), ways.len());
+            }
+            if self.is_stopped() {
+                // A single path suffices to report the place.
+                ways.truncate(1);
+            }
+        }
+        ways
+    }
+
+    /// Stops the simulation because there are too many states.
+    fn stop(&mut self, step: Option<usize>, states: usize) {
+        if !self.stopped {
+            self.stopped = true;
+            self.wrong(Violation::TooManyStates { step, states }, Vec::new());
+        }
+    }
+
+    /// Returns true if the simulation stops: too many states, or no budget left.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stopped || effort::is_exhausted()
+    }
+
+    /// Returns the paths after a loop with a fixed number of iterations.
+    ///
+    /// The states after an iteration depend only on those before it. Once the states at the start of an iteration
+    /// repeat, the loop is periodic, and only the remainder of the last period is simulated.
+    fn counted(&mut self, times: u32, body: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
+        let mut rounds: FxHashMap<Vec<ChangedLists>, u32> = FxHashMap::default();
+        let (mut round, mut last) = (0, times);
+        let mut findings = Findings::from(self.found.len());
+        while round < last && !self.is_stopped() {
+            if last == times {
+                let mut states: Vec<ChangedLists> = ways.iter().map(|way| self.changed(way)).collect();
+                states.sort_unstable();
+                effort::spend(states.iter().map(kept_units).sum());
+                if let Some(first) = rounds.insert(states, round) {
+                    last = round + (times - round) % (round - first);
+                    if round == last {
+                        break;
+                    }
+                }
+            }
+            let ends = self.nodes(body, ways);
+            ways = self.merged(ends);
+            findings.compact(&mut self.found);
+            round += 1;
+        }
+        ways
+    }
+
+    /// Returns the fact lists in which the state of a path differs from the initial state.
+    fn changed(&self, way: &Way) -> ChangedLists {
+        way.state.changed_lists(&self.world.state)
+    }
+
+    fn steps(&mut self, id: StepId, ways: Vec<Way>) -> Vec<Way> {
+        let sensing = !self.domain.action(self.plan.step(id).action).senses.is_empty();
+        self.each(ways, |walk, mut way| {
+            walk.step(id, &mut way);
+            let mut ways = if sensing { walk.outcomes(id, way) } else { vec![way] };
+            ways.iter_mut().for_each(|way| walk.progress(way));
+            ways
+        })
+    }
+
+    /// Records what the state of a path achieves of the stages.
+    pub(super) fn progress(&self, way: &mut Way) {
+        if !self.order.is_empty() {
+            self.order.advance(self.world, &mut way.state);
+        }
+    }
+
+    /// Removes the progress from the state of a path.
+    pub(super) fn forget_progress(&self, way: &mut Way) {
+        self.order.forget(&mut way.state);
+    }
+
+    /// Returns the progress in the state of a path.
+    pub(super) fn progress_of(&self, way: &Way) -> Vec<Fact> {
+        way.state.iter_from(self.domain.predicates.len()).collect()
+    }
+
+    /// Returns the first goal that a path did not achieve in order, with `true` for one of the first stage.
+    pub(super) fn unordered(&self, way: &Way) -> Option<(usize, bool)> {
+        self.order.missing(&way.state)
+    }
+
+    /// Simulates one step.
+    pub(super) fn step(&mut self, id: StepId, way: &mut Way) {
+        self.reached[id.index()] = true;
+        effort::spend(STEP);
+        let step = self.plan.step(id);
+        let action = self.domain.action(step.action);
+        self.bindings.clear();
+        self.bindings.extend_from_slice(&step.arguments);
+        let moment = Moment {
+            world: self.world,
+            state: &way.state,
+        };
+        if holds(moment, &action.precondition, &mut self.bindings) {
+            let (history, here) = (&self.history, way.here);
+            rests_on(
+                moment,
+                &action.precondition,
+                &mut self.bindings,
+                &|fact| history.touched(here, fact),
+                &mut self.rested,
+            );
+        } else {
+            let missing = unmet(self.world, &way.state, &action.precondition, &mut self.bindings);
+            let missing = with_culprits(missing, &self.history, way.here);
+            let step = id.index();
+            self.wrong(Violation::Precondition { step, missing }, self.when(way));
+        }
+        if let Some(prohibition) = self.world.forbids(step.action, &step.arguments) {
+            let (prohibition, says) = (prohibition.written.clone(), prohibition.says.clone());
+            let step = id.index();
+            self.wrong(
+                Violation::Prohibited {
+                    step,
+                    prohibition,
+                    says,
+                },
+                self.when(way),
+            );
+        }
+        let before = self.order.counts_events().then(|| way.state.clone());
+        let (bindings, fired) = (&mut self.bindings, &mut self.fired);
+        way.here = self.history.add(id, way.here, |changes| {
+            apply_onto(self.world, &mut way.state, action, bindings, fired, changes);
+        });
+        if let Some(before) = before {
+            let order = &self.order;
+            order.step(self.world, &before, action, &mut self.bindings, &mut way.state);
+        }
+        let has_effects = !action.effects.is_empty() || !action.numeric.is_empty();
+        if !self.history.has_changed(way.here) && has_effects {
+            self.odd(Violation::NoEffect { step: id.index() }, self.when(way));
+        }
+        for violation in claims::broken(self.claims, id.index(), &way.state) {
+            self.odd(violation, self.when(way));
+        }
+        self.always(id, way);
+    }
+
+    /// Reports each `always` rule at the step that breaks it. A rule that is broken in the initial state becomes
+    /// binding once it holds.
+    fn always(&mut self, id: StepId, way: &mut Way) {
+        let now = self.broken_always(&way.state);
+        for (rule, bindings) in now.iter().filter(|broken| !way.broken.contains(broken)) {
+            let step = id.index();
+            let violation = match self.world.prohibition(*rule) {
+                Some(prohibition) => Violation::Prohibited {
+                    step,
+                    prohibition: prohibition.written.clone(),
+                    says: prohibition.says.clone(),
+                },
+                None => Violation::Rule {
+                    step: Some(step),
+                    rule: *rule,
+                    bindings: bindings.clone(),
+                },
+            };
+            self.wrong(violation, self.when(way));
+        }
+        way.broken = now;
+    }
+
+    /// Returns the `always` rules that are broken in a state, with their bindings.
+    fn broken_always(&self, state: &State) -> Vec<(usize, Bindings)> {
+        self.world
+            .always_rules()
+            .flat_map(|(number, rule)| {
+                let broken = broken_bindings(rule, self.world, state).into_iter();
+                broken.map(move |bindings| (number, bindings))
+            })
+            .collect()
+    }
+
+    /// Splits a path after a sensing step into one path for each outcome, unless the outcome is already known.
+    fn outcomes(&mut self, id: StepId, way: Way) -> Vec<Way> {
+        let facts = self.senses(id);
+        if facts.iter().any(|fact| way.state.holds(*fact)) {
+            return vec![way];
+        }
+        let before = self.history.before(way.here);
+        let with_outcome = |fact: &Fact| {
+            let mut way = way.clone();
+            way.here = self.history.add(id, before, |changes| {
+                way.state.set(*fact, true);
+                changes.facts.push(super::Change {
+                    fact: *fact,
+                    holds: true,
+                });
+            });
+            // A rule violation that sensing reveals is not caused by the plan.
+            way.broken = self.broken_always(&way.state);
+            way
+        };
+        facts.iter().map(with_outcome).collect()
+    }
+
+    /// Returns the possible outcomes of a sensing step.
+    fn senses(&self, id: StepId) -> Vec<Fact> {
+        let step = self.plan.step(id);
+        let outcomes = self.domain.action(step.action).senses.iter();
+        outcomes.map(|atom| ground(atom, &step.arguments)).collect()
+    }
+
+    /// Splits paths into those on which a condition holds and those on which it does not. `before` is the step that
+    /// findings name.
+    ///
+    /// Within a condition, paths with equal states are merged and limited, as between nodes.
+    fn test(&mut self, condition: &Test, ways: Vec<Way>, before: Option<usize>) -> (Vec<Way>, Vec<Way>) {
+        match condition {
+            Test::Sense(id) => {
+                let ways = self.steps(*id, ways);
+                let first = self.senses(*id).first().copied();
+                ways.into_iter()
+                    .partition(|way| first.is_some_and(|fact| way.state.holds(fact)))
+            }
+            Test::Holds(fact) => {
+                effort::spend(ways.len());
+                let parts = self.each(ways, |walk, way| walk.value(*fact, way, before));
+                let (yes, no): (Vec<_>, Vec<_>) = parts.into_iter().partition(|(_, holds)| *holds);
+                let ways = |parts: Vec<(Way, bool)>| parts.into_iter().map(|(way, _)| way).collect();
+                (ways(yes), ways(no))
+            }
+            Test::Not(inner) => {
+                let (yes, no) = self.test(inner, ways, before);
+                (no, yes)
+            }
+            Test::All(parts) => {
+                let (mut yes, mut no) = (ways, Vec::new());
+                for part in parts {
+                    let (holds, fails) = self.test(part, yes, before);
+                    no.extend(fails);
+                    (yes, no) = (self.counted_ways(holds, before), self.counted_ways(no, before));
+                }
+                (yes, no)
+            }
+            Test::Any(parts) => {
+                let (mut yes, mut no) = (Vec::new(), ways);
+                for part in parts {
+                    let (holds, fails) = self.test(part, no, before);
+                    yes.extend(holds);
+                    (yes, no) = (self.counted_ways(yes, before), self.counted_ways(fails, before));
+                }
+                (yes, no)
+            }
+        }
+    }
+
+    /// Merges paths within a condition; stops if there are too many.
+    fn counted_ways(&mut self, ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
+        let mut ways = self.merged(ways);
+        if ways.len() > STATES {
+            self.stop(before, ways.len());
+            ways.truncate(1);
+        }
+        ways
+    }
+
+    /// Evaluates a fact on a path. A fact of unknown value splits the path.
+    fn value(&mut self, fact: Fact, way: Way, before: Option<usize>) -> Vec<(Way, bool)> {
+        if way.state.holds(fact) {
+            return vec![(way, true)];
+        }
+        let outcomes = self.domain.outcomes(fact);
+        let known = outcomes.is_empty() || outcomes.iter().any(|outcome| way.state.holds(*outcome));
+        if known {
+            return vec![(way, false)];
+        }
+        let step = before;
+        self.wrong(Violation::Unsensed { step, fact }, self.when(&way));
+        vec![(way.clone(), true), (way, false)]
+    }
+
+    /// Returns the paths after a loop with a condition.
+    fn repeated(&mut self, condition: &Test, body: &[Node], ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
+        let start = &self.world.state;
+        let mut heads = LoopStates::default();
+        for way in ways {
+            heads.meet(way, start);
+        }
+        let mut out = Vec::new();
+        let mut findings = Findings::from(self.found.len());
+        while let Some((number, way)) = heads.next() {
+            let (yes, no) = self.test(condition, vec![way], before);
+            heads.leaves[number] = !no.is_empty();
+            out.extend(no);
+            out = self.counted_ways(out, before);
+            let ends = self.nodes(body, yes);
+            effort::spend(ends.len());
+            for end in ends {
+                let next = heads.meet(end, start);
+                heads.follows.push((number, next));
+            }
+            if heads.ways.len() > STATES {
+                self.stop(before, heads.ways.len());
+            }
+            if self.is_stopped() {
+                return self.merged(out);
+            }
+            findings.compact(&mut self.found);
+        }
+        if let Some(stuck) = heads.endless() {
+            let when = self.when(&heads.ways[stuck]);
+            self.wrong(Violation::EndlessLoop { step: before }, when);
+        }
+        self.merged(out)
+    }
+
+    /// Keeps the first path for each state.
+    fn merged(&self, ways: Vec<Way>) -> Vec<Way> {
+        if ways.len() < 2 {
+            return ways;
+        }
+        let mut seen = FxHashSet::default();
+        let new = |way: &Way| {
+            let changed = self.changed(way);
+            // Lists are compared with the initial state's, hashed and stored.
+            effort::spend(4 + self.world.domain().predicates.len() + kept_units(&changed) / 2);
+            seen.insert(changed)
+        };
+        ways.into_iter().filter(new).collect()
+    }
+
+    /// Returns the distinct violations and warnings.
+    pub(super) fn findings(self) -> (Vec<Violation>, Vec<Violation>) {
+        let (odd, wrong): (Vec<_>, Vec<_>) = joined(self.found, None).into_iter().partition(|found| found.odd);
+        let violations = |found: Vec<Found>| {
+            found
+                .into_iter()
+                .map(|found| found.violation.when(found.when))
+                .collect()
+        };
+        (violations(wrong), violations(odd))
+    }
+}
+
+/// Returns the first step in a node, from 0; none if it has no steps.
+fn first_of(node: &Node) -> Option<usize> {
+    tree::steps(std::slice::from_ref(node)).next().map(StepId::index)
+}
+
+/// Merges the findings of a loop whenever their number has doubled, since iterations repeat them.
+struct Findings {
+    from: usize,
+    most: usize,
+}
+
+impl Findings {
+    fn from(from: usize) -> Self {
+        Self { from, most: 256 }
+    }
+
+    fn compact(&mut self, found: &mut Vec<Found>) {
+        if found.len() - self.from > self.most {
+            let together = joined(found.split_off(self.from), None);
+            self.most = 2 * together.len().max(128);
+            found.extend(together);
+        }
+    }
+}
+
+/// Merges equal findings. A finding becomes unconditional if `count` paths have it or one of them is unconditional;
+/// otherwise the common sensing outcomes are kept.
+fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
+    let mut together: Vec<(Found, usize)> = Vec::with_capacity(found.len());
+    let mut numbers: FxHashMap<(Violation, bool), usize> = FxHashMap::default();
+    effort::spend(found.len());
+    for next in found {
+        let number = *numbers
+            .entry((next.violation.clone(), next.odd))
+            .or_insert(together.len());
+        let Some((known, times)) = together.get_mut(number) else {
+            together.push((next, 1));
+            continue;
+        };
+        if !known.when.is_empty() {
+            effort::spend(known.when.len());
+            let common: Vec<Fact> = known
+                .when
+                .iter()
+                .filter(|fact| next.when.contains(fact))
+                .copied()
+                .collect();
+            if !common.is_empty() || next.when.is_empty() {
+                known.when = common;
+            }
+        }
+        *times += 1;
+    }
+    let plain = |(mut found, times): (Found, usize)| {
+        if count == Some(times) {
+            found.when.clear();
+        }
+        found
+    };
+    together.into_iter().map(plain).collect()
+}
