@@ -7,9 +7,9 @@ use std::time::Duration;
 use anyhow::Result;
 use longstep::dialogue::Forecast;
 use longstep::report::ForecastAnswer;
+use longstep_files::cache_directory;
 use longstep_llm::{
-    ChatModel, ModelError, ModelReference, OpenOptions, Pace, Progress, Sampling, StopFlag, Watch, cache_directory,
-    open,
+    ChatModel, ModelError, ModelReference, OpenOptions, Pace, Progress, Sampling, StopFlag, Watch, open,
 };
 
 use crate::arguments::ModelArguments;

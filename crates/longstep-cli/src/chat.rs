@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use longstep::session::{Event, Proposal, Session, Settings};
-use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, session_directory};
+use longstep_files::session_directory;
+use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance};
 
 use crate::arguments::{ChatArguments, ModelArguments, domain_or_default};
 use crate::ask::{self, Waiting};

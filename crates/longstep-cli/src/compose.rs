@@ -7,7 +7,8 @@ use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, 
 use longstep::dialogue::{Dialogue, Usage};
 use longstep::report::{Answer, Status};
 use longstep_core::environment::World;
-use longstep_llm::{TextFileError, converse, load_domain, read_text};
+use longstep_files::{TextFileError, read_text};
+use longstep_llm::{converse, load_domain};
 
 use crate::arguments::{ComposeArguments, domain_or_default};
 use crate::ask::{self, Waiting};

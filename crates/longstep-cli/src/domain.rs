@@ -12,7 +12,8 @@ use anyhow::Result;
 use longstep::domain::{self, Domain, Finding};
 use longstep_core::environment::{Origin, World, fact_text};
 use longstep_core::visible;
-use longstep_llm::{domain_files, load_domain};
+use longstep_files::domain_files;
+use longstep_llm::load_domain;
 
 use crate::arguments::DomainCommand;
 use crate::failure::NOT_VALID;

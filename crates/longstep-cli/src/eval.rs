@@ -14,7 +14,8 @@ use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
 use longstep_eval::suite::{self, PLAIN, Suite};
 use longstep_eval::{Campaign, Changes, Choice, Opened, Recorded, Source, Summary, domain_sha256, lengths, units};
 use longstep_eval::{compare, report};
-use longstep_llm::{AdvanceError, ModelError, ModelReference, overlay_prompt};
+use longstep_files::overlay_prompt;
+use longstep_llm::{AdvanceError, ModelError, ModelReference};
 
 use crate::arguments::{EvalArguments, EvalCommand, ModelArguments};
 use crate::ask;

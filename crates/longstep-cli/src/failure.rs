@@ -5,7 +5,8 @@ use longstep::goal::GoalError;
 use longstep::session::ResumeError;
 use longstep_core::diagnostic::{Diagnostic, Diagnostics};
 use longstep_core::secret;
-use longstep_llm::{AdvanceError, ConverseError, DomainError, FolderError, ModelError, TextFileError};
+use longstep_files::{DomainError, NoHomeFolder, TextFileError};
+use longstep_llm::{AdvanceError, ConverseError, FolderError, ModelError};
 use serde::Serialize;
 
 use crate::output::{self, Form, Style, remark};
@@ -199,6 +200,9 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     }
     if let Some(error) = error.downcast_ref::<DomainError>() {
         return (error.hint(), UNREADABLE);
+    }
+    if let Some(error) = error.downcast_ref::<NoHomeFolder>() {
+        return (Some(error.hint().to_owned()), MODEL);
     }
     if let Some(error) = error.downcast_ref::<TextFileError>() {
         return (error.hint().map(str::to_owned), UNREADABLE);

@@ -10,7 +10,8 @@ use longstep_core::json;
 use longstep_core::model::DomainData;
 use longstep_core::pddl;
 use longstep_core::plan::{self, PlanFile, TaskCohesion};
-use longstep_llm::{load_domain, load_domain_with_prompt, plain_reason, read_text, write_whole};
+use longstep_files::{plain_reason, read_text, write_whole};
+use longstep_llm::{load_domain, load_domain_with_prompt};
 
 use crate::failure::Failure;
 

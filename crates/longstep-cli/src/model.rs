@@ -2,9 +2,10 @@
 
 use anyhow::Result;
 use longstep_core::diagnostic::nearest;
+use longstep_files::cache_directory;
+use longstep_llm::ModelError;
 use longstep_llm::catalogue::{self, Entry};
 use longstep_llm::store::{self, PullOptions};
-use longstep_llm::{ModelError, cache_directory};
 
 use crate::arguments::ModelCommand;
 use crate::failure::Failure;

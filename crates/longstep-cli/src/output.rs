@@ -14,7 +14,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use anyhow::Result;
 use indicatif::ProgressBar;
 use longstep_core::visible;
-use longstep_llm::plain_reason;
+use longstep_files::plain_reason;
 use serde::Serialize;
 
 pub(crate) use styled::{Line, Style};

@@ -8,7 +8,7 @@ use longstep::report;
 use longstep::report::{Answer, Status};
 use longstep_core::pddl::{self, Problem};
 use longstep_core::verify::Purpose;
-use longstep_llm::read_text;
+use longstep_files::read_text;
 
 use crate::arguments::SolveArguments;
 use crate::clock::{milliseconds, stopwatch};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use longstep::domain;
 use longstep_core::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
-use longstep_llm::read_text;
+use longstep_files::read_text;
 use toml::{Spanned, Value};
 
 /// The name of the file.

@@ -5,7 +5,8 @@ mod environment;
 use std::path::Path;
 
 use anyhow::Result;
-use longstep_llm::{load_domain, read_text};
+use longstep_files::read_text;
+use longstep_llm::load_domain;
 use longstep_robot::ros2::{self, Configuration};
 
 use crate::arguments::{RobotCheckArguments, RobotCommand, domain_or_default};

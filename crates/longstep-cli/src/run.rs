@@ -15,7 +15,8 @@ use longstep_core::domain::phrase;
 use longstep_core::environment::World;
 use longstep_core::execution::{Approval, Event, Execution, Resumed, Stop, Trust, Watch};
 use longstep_core::secret;
-use longstep_llm::{load_domain, session_directory};
+use longstep_files::session_directory;
+use longstep_llm::load_domain;
 use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, reports};
 
 use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments, TrustArgument, domain_or_default};
@@ -187,7 +188,7 @@ fn carry_out(
     if let Some(file) = &arguments.save_after {
         let mut json = serde_json::to_string_pretty(&after)?;
         json.push('\n');
-        let written = longstep_llm::write_whole(file, json.as_bytes());
+        let written = longstep_files::write_whole(file, json.as_bytes());
         written.map_err(|error| Failure::unreadable(format!("cannot write {}: {error}", file.display())))?;
     }
     if !arguments.json {

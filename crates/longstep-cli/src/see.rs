@@ -12,7 +12,8 @@ use longstep_core::diagnostic::Diagnostics;
 use longstep_core::environment::{self, Environment};
 use longstep_core::geometry::{self, Look, LookError, Scene};
 use longstep_core::json;
-use longstep_llm::{ChatModel, converse, load_domain, plain_reason, write_whole};
+use longstep_files::{plain_reason, write_whole};
+use longstep_llm::{ChatModel, converse, load_domain};
 use serde::Serialize;
 
 use crate::arguments::{SeeArguments, domain_or_default};

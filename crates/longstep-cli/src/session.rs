@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use longstep::session::{Event, Log, replay};
-use longstep_llm::{LOG, SessionFolder, load_domain, session_directory};
+use longstep_files::session_directory;
+use longstep_llm::{LOG, SessionFolder, load_domain};
 use serde_json::Value;
 
 use crate::arguments::SessionCommand;

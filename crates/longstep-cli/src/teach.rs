@@ -11,7 +11,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep_core::skill::Skills;
-use longstep_llm::{plain_reason, read_text, write_whole};
+use longstep_files::{plain_reason, read_text, write_whole};
 use longstep_teach::{
     BYTES, Demonstration, Expectations, Finding, Format, Hand, Lesson, Request, Segment, TaughtStep, TaughtValue, cut,
     cut_at_times, learn, one_each, requests, skills_file, step_times,

@@ -32,7 +32,7 @@ use longstep_core::goal;
 use longstep_core::plan::Plan;
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_eval::suite::{self, Case, Expected, Files, Suite};
-use longstep_llm::read_texts;
+use longstep_files::read_texts;
 use serde_json::{Value, json};
 
 fn main() -> Result<(), Box<dyn Error>> {

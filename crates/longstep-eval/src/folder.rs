@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use longstep::session::Settings;
-use longstep_llm::{LOG_LIMIT, create_private_folder, read_bounded, tighten_folder, write_whole};
+use longstep_files::{LOG_LIMIT, create_private_folder, read_bounded, tighten_folder, write_whole};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 

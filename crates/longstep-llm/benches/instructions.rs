@@ -25,7 +25,8 @@ use longstep_core::environment::{self, Environment, World, differences};
 use longstep_core::json::Path;
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_core::verify::{self, Report};
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, converse, open};
+use longstep_files::cache_directory;
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, catalogue, converse, open};
 use serde_json::Value;
 
 fn read(file: &str) -> Value {

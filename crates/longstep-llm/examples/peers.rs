@@ -23,7 +23,7 @@ use longstep_core::pddl::{self, Problem};
 use longstep_core::plan::{Plan, Step};
 use longstep_core::search::{self, Effort, Limits, Outcome};
 use longstep_core::verify::{Purpose, check};
-use longstep_llm::domain_files;
+use longstep_files::domain_files;
 use serde_json::json;
 
 type Anyhow<T> = Result<T, Box<dyn Error>>;

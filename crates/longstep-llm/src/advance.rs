@@ -79,7 +79,7 @@ pub fn advance(
 /// let planner = Planner::shipped("household")?;
 /// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
 ///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
-/// let options = longstep_llm::OpenOptions::new(longstep_llm::cache_directory()?);
+/// let options = longstep_llm::OpenOptions::new(longstep_files::cache_directory()?);
 /// let mut model = longstep_llm::open(&"qwen2.5-coder-0.5b".parse()?, &options, &mut |_| {})?;
 /// let mut session = planner.session(world, Settings::default(), model.facts())?;
 /// match longstep_llm::instruct(&mut session, &mut *model, "The pen belongs on the shelf")? {

@@ -1,5 +1,6 @@
 //! Errors of models.
 
+use longstep_files::NoHomeFolder;
 use std::path::{Path, PathBuf};
 
 /// An error of a model: what failed, and where. `Display` is one line; [`ModelError::hint`] is the next step for the
@@ -41,8 +42,8 @@ pub enum ModelError {
         got: String,
     },
     /// No cache folder is configured, and there is no home folder.
-    #[error("no cache folder: neither `LONGSTEP_CACHE` nor a home folder is set")]
-    NoCacheDirectory,
+    #[error(transparent)]
+    NoHomeFolder(#[from] NoHomeFolder),
     /// A file or folder cannot be read or written.
     #[error("{action} {}: {source}", path.display())]
     File {
@@ -259,7 +260,7 @@ impl ModelError {
             Self::NotPulled { name, .. } | Self::WrongHash { name, .. } => {
                 Some(format!("run `longstep model pull {name}`"))
             }
-            Self::NoCacheDirectory => Some("set `LONGSTEP_CACHE` to a folder".into()),
+            Self::NoHomeFolder(error) => Some(error.hint().into()),
             Self::File { source, .. } => file_hint(source.kind()),
             Self::NotFetched { name, .. } => Some(format!(
                 "run the command again to resume the download, or use a local file with \

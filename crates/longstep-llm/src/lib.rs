@@ -7,9 +7,10 @@
 //!
 //! ```no_run
 //! use longstep::dialogue::{ChatRequest, Constraint, Message, Role, Task};
-//! use longstep_llm::{ChatModel, ModelReference, OpenOptions, cache_directory, open};
+//! use longstep_files::cache_directory;
+//! use longstep_llm::{ChatModel, ModelReference, OpenOptions, open};
 //!
-//! # fn main() -> Result<(), longstep_llm::ModelError> {
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let reference: ModelReference = longstep_llm::catalogue::DEFAULT.parse()?;
 //! let options = OpenOptions::new(cache_directory()?);
 //! let mut model = open(&reference, &options, &mut |_| {})?;
@@ -28,8 +29,6 @@
 //! ```
 
 mod advance;
-mod bounded;
-mod cache;
 mod call;
 pub mod catalogue;
 mod converse;
@@ -40,7 +39,6 @@ mod load_domain;
 mod model;
 mod open;
 mod pace;
-mod private;
 mod reasoning;
 mod record;
 mod reference;
@@ -49,23 +47,16 @@ mod session_folder;
 pub mod store;
 #[cfg(test)]
 mod test_server;
-mod text_file;
-mod whole_file;
 
 pub use advance::{AdvanceError, advance, instruct};
-pub use bounded::{LOG_LIMIT, read_bounded, text_of};
-pub use cache::{cache_directory, session_directory};
 pub use converse::{ConverseError, converse};
 pub use error::{AnswerLimit, ModelError};
-pub use load_domain::{DomainError, domain_files, load_domain, load_domain_with_prompt, overlay_prompt};
+pub use load_domain::{load_domain, load_domain_with_prompt};
 pub use model::{AdapterChoice, ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch};
 pub use open::open;
 pub use pace::{Pace, Speed};
-pub use private::{create_private_folder, tighten_folder};
 pub use reasoning::Reasoning;
 pub use record::Recording;
 pub use reference::ModelReference;
 pub use server::server_address;
 pub use session_folder::{FolderError, LOG, SessionFolder};
-pub use text_file::{TextFileError, plain_reason, read_text, read_texts};
-pub use whole_file::write_whole;

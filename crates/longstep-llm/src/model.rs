@@ -123,7 +123,7 @@ pub struct OpenOptions {
     /// Threads of the embedded engine; `None` takes the machine's physical cores.
     pub threads: Option<usize>,
     /// The folder for models and engine states, usually
-    /// [`cache_directory`](crate::cache_directory).
+    /// [`cache_directory`](longstep_files::cache_directory).
     pub cache: PathBuf,
     /// Tokens of prompt and answer together. `None` means 8192 for the embedded engine, whose memory grows with it
     /// (about 28 KB a token with the default model). If a server reports its own value, that one counts.

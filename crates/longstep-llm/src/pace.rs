@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use longstep::dialogue::Forecast;
 use serde::{Deserialize, Serialize};
 
-use crate::bounded::read_bounded;
-use crate::{Progress, write_whole};
+use crate::Progress;
+use longstep_files::read_bounded;
+use longstep_files::write_whole;
 
 /// The file of speeds in the cache.
 const FILE: &str = "speeds.json";

@@ -17,9 +17,8 @@ use longstep_core::json;
 use longstep_core::plan::{Plan, PlanFile, TaskCohesion, resolve};
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_core::verify::{Purpose, bind, check};
-use longstep_llm::{
-    ChatModel, ConverseError, ModelReference, OpenOptions, Progress, cache_directory, converse, load_domain, open,
-};
+use longstep_files::cache_directory;
+use longstep_llm::{ChatModel, ConverseError, ModelReference, OpenOptions, Progress, converse, load_domain, open};
 use serde_json::Value;
 
 fn domain_named(name: &str) -> Domain {

@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let planner = Planner::new(longstep_llm::load_domain("household-checks")?);
     let world = planner.world(KITCHEN)?;
-    let options = OpenOptions::new(longstep_llm::cache_directory()?);
+    let options = OpenOptions::new(longstep_files::cache_directory()?);
     let mut model = longstep_llm::open(&name.parse()?, &options, &mut |_| {})?;
     let mut session = planner.session(world, Settings::default(), model.facts())?;
 

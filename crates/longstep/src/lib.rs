@@ -21,7 +21,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let planner = Planner::new(longstep_llm::load_domain("my_robot")?);
 //! let world = planner.world(&std::fs::read_to_string("kitchen.json")?)?;
-//! let options = OpenOptions::new(longstep_llm::cache_directory()?);
+//! let options = OpenOptions::new(longstep_files::cache_directory()?);
 //! let mut model = longstep_llm::open(&"qwen2.5-coder-1.5b".parse()?, &options, &mut |_| {})?;
 //! let mut session = planner.session(world, Settings::default(), model.facts())?;
 //! match longstep_llm::instruct(&mut session, &mut *model, "Put the juice on the top shelf")? {

@@ -6,7 +6,8 @@ use anyhow::Result;
 use longstep::session::{self, RuleError, Settings, Strategy};
 use longstep_core::diagnostic::nearest;
 use longstep_core::plan::StepId;
-use longstep_llm::{ModelError, create_private_folder, plain_reason};
+use longstep_files::{create_private_folder, plain_reason};
+use longstep_llm::ModelError;
 
 use super::input::Lines;
 use super::{Chat, Next, screen};

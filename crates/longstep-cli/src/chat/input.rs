@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
 use anyhow::Result;
-use longstep_llm::{create_private_folder, session_directory};
+use longstep_files::{create_private_folder, session_directory};
 use longstep_robot::StopRequest;
 use rustyline::error::ReadlineError;
 use rustyline::history::DefaultHistory;

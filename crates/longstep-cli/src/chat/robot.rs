@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use longstep::session::{ObserveError, Observed};
 use longstep_core::environment::{Statements, World};
-use longstep_llm::read_text;
+use longstep_files::read_text;
 use longstep_robot::{RunHeader, RunLog, Scope, StopRequest, drive};
 
 use super::input::Lines;

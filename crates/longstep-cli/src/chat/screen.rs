@@ -8,7 +8,7 @@ use longstep_core::environment::{Environment, World};
 use longstep_core::plan::{self, Plan};
 use longstep_core::verify::{Purpose, VerifiedPlan};
 use longstep_core::visible;
-use longstep_llm::session_directory;
+use longstep_files::session_directory;
 
 use crate::output::{Style, counted, print_line, remark};
 use crate::{output, show, solve};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use longstep_llm::{create_private_folder, read_bounded, session_directory, write_whole};
+use longstep_files::{create_private_folder, read_bounded, session_directory, write_whole};
 use serde::{Deserialize, Serialize};
 
 /// Limit for the file in bytes; a longer interview is not kept.

@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::Result;
 use longstep::domain::{self, Answers, NewDomain, SourceText};
 use longstep_eval::suite;
-use longstep_llm::{plain_reason, read_text};
+use longstep_files::{plain_reason, read_text};
 
 use super::kept_answers::KeptAnswers;
 use super::questions;

@@ -7,10 +7,8 @@ use longstep::domain::{self, Domain, Files as DomainFiles};
 use longstep_core::diagnostic::nearest;
 use longstep_eval::suite::{self, Files, Suite, paper};
 use longstep_eval::{Recorded, sha256};
-use longstep_llm::{
-    AdapterChoice, LOG_LIMIT, ModelReference, domain_files, plain_reason, read_bounded, read_text, read_texts,
-    server_address, write_whole,
-};
+use longstep_files::{LOG_LIMIT, domain_files, plain_reason, read_bounded, read_text, read_texts, write_whole};
+use longstep_llm::{AdapterChoice, ModelReference, server_address};
 
 use crate::arguments::EvalArguments;
 use crate::failure::Failure;

@@ -4,7 +4,8 @@ use anyhow::Result;
 use longstep_core::environment;
 use longstep_core::json::Path;
 use longstep_core::secret;
-use longstep_llm::{load_domain, write_whole};
+use longstep_files::write_whole;
+use longstep_llm::load_domain;
 use longstep_robot::virtualhome::{self, Graph, Simulator};
 
 use crate::arguments::RobotEnvironmentArguments;

@@ -10,7 +10,8 @@ use longstep_core::environment::World;
 use longstep_core::execution::{Aim, Approval, BeginError, Execution, Settings, Trust, Watch};
 use longstep_core::skill::Skills;
 use longstep_core::verify::VerifiedPlan;
-use longstep_llm::{advance, read_text};
+use longstep_files::read_text;
+use longstep_llm::advance;
 use longstep_robot::{Robot, preflight, reports};
 
 use super::robot::{Opened, failure};

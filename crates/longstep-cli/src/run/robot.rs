@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use longstep_core::environment::World;
 use longstep_core::model::Domain;
-use longstep_llm::{read_text, session_directory};
+use longstep_files::{read_text, session_directory};
 use longstep_robot::ros2::{self, Configuration, Preview, Ros2};
 use longstep_robot::virtualhome::{VirtualHome, VirtualHomeOptions, VirtualHomeOptionsError};
 use longstep_robot::{DryRun, Exclusive, Robot, RobotError, Sim, SimOptions, SimOptionsError, StopRequest};

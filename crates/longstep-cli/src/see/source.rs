@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::dialogue::{PICTURE_LIMIT, Picture, PictureError};
-use longstep_llm::{TextFileError, read_bounded, text_of};
+use longstep_files::{TextFileError, read_bounded, text_of};
 
 use crate::arguments::SeeArguments;
 use crate::failure::Failure;

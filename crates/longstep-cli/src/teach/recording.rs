@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use longstep_llm::{plain_reason, write_whole};
+use longstep_files::{plain_reason, write_whole};
 use longstep_teach::Demonstration;
 
 use crate::failure::Failure;

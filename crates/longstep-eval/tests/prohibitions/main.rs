@@ -26,7 +26,8 @@ use longstep::session::{ModelFacts, RepairPolicy, Response, Session, Settings, S
 use longstep::{Limits, VerifiedPlan, World, goal};
 use longstep_core::plan::{self, PlanFile, script};
 use longstep_core::repair::RepairOutcome;
-use longstep_llm::{ModelReference, OpenOptions, Progress, advance, cache_directory, open};
+use longstep_files::cache_directory;
+use longstep_llm::{ModelReference, OpenOptions, Progress, advance, open};
 use serde::Deserialize;
 
 use watch::Watch;

@@ -13,7 +13,7 @@ use llama_cpp_2::token::LlamaToken;
 use sha2::{Digest, Sha256};
 
 use super::engine::SEQUENCE;
-use crate::private::create_private_folder;
+use longstep_files::create_private_folder;
 
 /// Version of the engine that wrote a state; states of other versions are not loaded. Change it with llama-cpp-2 and
 /// with the way that prompts are computed.

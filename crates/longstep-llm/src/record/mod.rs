@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 
 use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, TokenCounter};
 
-use crate::whole_file::append;
 use crate::{ChatModel, ModelError, Watch};
+use longstep_files::append;
 pub(crate) use replay::Replay;
 use wire::{Line, WireCount, WireHead, WireRequest};
 

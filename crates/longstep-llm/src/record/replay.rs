@@ -7,8 +7,8 @@ use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, EstimatedTokens,
 
 use super::difference;
 use super::wire::{Line, VERSION, WireHead, WireMessage, WireReply, WireRequest};
-use crate::bounded::{LOG_LIMIT, read_text_bounded};
 use crate::{ChatModel, ModelError, Watch};
+use longstep_files::{LOG_LIMIT, read_text_bounded};
 
 /// A replayed recording.
 #[derive(Debug)]

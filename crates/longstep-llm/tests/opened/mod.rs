@@ -1,6 +1,7 @@
 //! The model of tests that need a real one.
 
-use longstep_llm::{AdapterChoice, ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open};
+use longstep_files::cache_directory;
+use longstep_llm::{AdapterChoice, ChatModel, ModelReference, OpenOptions, Progress, catalogue, open};
 
 /// Opens the model that `LONGSTEP_MODEL` names, by default the catalogue's default model, with `LONGSTEP_THREADS` threads (1)
 /// and the adapter files of `LONGSTEP_ADAPTERS` (as in a `PATH`; without it, those of the catalogue).

@@ -22,13 +22,13 @@ pub fn create_private_folder(path: &Path) -> std::io::Result<()> {
 ///
 /// When the mode cannot be set.
 #[cfg(unix)]
-pub(crate) fn restrict(file: &File) -> std::io::Result<()> {
+pub fn restrict(file: &File) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
     file.set_permissions(std::fs::Permissions::from_mode(0o600))
 }
 
 #[cfg(not(unix))]
-pub(crate) fn restrict(_: &File) -> std::io::Result<()> {
+pub fn restrict(_: &File) -> std::io::Result<()> {
     Ok(())
 }
 

@@ -95,7 +95,7 @@ fn through_socket(_: &Path, _: &[u8]) -> Option<std::io::Result<()>> {
 /// # Errors
 ///
 /// When the file cannot be created or written.
-pub(crate) fn append(path: &Path) -> std::io::Result<File> {
+pub fn append(path: &Path) -> std::io::Result<File> {
     match OpenOptions::new().append(true).create_new(true).open(path) {
         Ok(file) => {
             private::restrict(&file)?;

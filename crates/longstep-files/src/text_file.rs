@@ -59,7 +59,7 @@ impl std::error::Error for TextFileError {}
 ///
 /// ```
 /// let error = std::fs::File::open("no/such/file").unwrap_err();
-/// assert_eq!(longstep_llm::plain_reason(&error), "no such file or directory");
+/// assert_eq!(longstep_files::plain_reason(&error), "no such file or directory");
 /// ```
 pub fn plain_reason(error: &Error) -> String {
     let text = error.to_string();
@@ -75,7 +75,7 @@ pub fn plain_reason(error: &Error) -> String {
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let file = tempfile::NamedTempFile::new()?;
 /// std::fs::write(&file, "\u{feff}never opened(fridge)\n")?;
-/// assert_eq!(longstep_llm::read_text(file.path())?, "never opened(fridge)\n");
+/// assert_eq!(longstep_files::read_text(file.path())?, "never opened(fridge)\n");
 /// # Ok(()) }
 /// ```
 ///

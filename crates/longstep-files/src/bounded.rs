@@ -17,7 +17,7 @@ pub const LOG_LIMIT: u64 = 256 << 20;
 /// ```
 /// # fn main() -> std::io::Result<()> {
 /// # #[cfg(target_os = "linux")] {
-/// let error = longstep_llm::read_bounded("/dev/zero".as_ref(), 1 << 20).unwrap_err();
+/// let error = longstep_files::read_bounded("/dev/zero".as_ref(), 1 << 20).unwrap_err();
 /// assert_eq!(error.to_string(), "it is larger than 1 MiB");
 /// # }
 /// # Ok(()) }
@@ -27,7 +27,7 @@ pub fn read_bounded(path: &Path, limit: u64) -> std::io::Result<Vec<u8>> {
 }
 
 /// Reads the rest of an open file; see [`read_bounded`].
-pub(crate) fn read_to_limit(file: &mut File, limit: u64) -> std::io::Result<Vec<u8>> {
+pub fn read_to_limit(file: &mut File, limit: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes)?;
     match bytes.len() as u64 > limit {
@@ -43,7 +43,7 @@ pub(crate) fn read_to_limit(file: &mut File, limit: u64) -> std::io::Result<Vec<
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Reads a text file up to a limit; see [`read_bounded`] and [`text_of`].
-pub(crate) fn read_text_bounded(path: &Path, limit: u64) -> std::io::Result<String> {
+pub fn read_text_bounded(path: &Path, limit: u64) -> std::io::Result<String> {
     text_of(read_bounded(path, limit)?)
 }
 
@@ -54,8 +54,8 @@ pub(crate) fn read_text_bounded(path: &Path, limit: u64) -> std::io::Result<Stri
 /// [`std::io::ErrorKind::InvalidData`] for bytes that are not UTF-8.
 ///
 /// ```
-/// assert_eq!(longstep_llm::text_of(b"\xef\xbb\xbfnever opened(fridge)".to_vec()).unwrap(), "never opened(fridge)");
-/// assert!(longstep_llm::text_of(vec![0xff]).is_err());
+/// assert_eq!(longstep_files::text_of(b"\xef\xbb\xbfnever opened(fridge)".to_vec()).unwrap(), "never opened(fridge)");
+/// assert!(longstep_files::text_of(vec![0xff]).is_err());
 /// ```
 pub fn text_of(mut bytes: Vec<u8>) -> std::io::Result<String> {
     if bytes.starts_with(BYTE_ORDER_MARK) {
