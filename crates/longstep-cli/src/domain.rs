@@ -9,7 +9,8 @@ mod trial;
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::domain::{self, Domain, Finding};
+use longstep::domain::{self, Domain};
+use longstep_author::Finding;
 use longstep_core::environment::{Origin, World, fact_text};
 use longstep_core::visible;
 use longstep_files::domain_files;
@@ -52,10 +53,10 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
 fn check(name: &str, env: Option<&Path>, strict: bool, json: bool) -> Result<u8> {
     let files = domain_files(name)?;
     let domain = domain::load(&files)?;
-    let mut findings = domain::lint(&domain, &files);
+    let mut findings = longstep_author::lint(&domain, &files);
     if let Some(env) = env {
         let (world, text) = inputs::world_and_text(&domain, env)?;
-        findings.extend(domain::lint_environment(
+        findings.extend(longstep_author::lint_environment(
             &world,
             &files,
             &env.display().to_string(),

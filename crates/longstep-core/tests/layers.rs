@@ -13,14 +13,16 @@ use std::path::{Path, PathBuf};
 type Edges = BTreeMap<String, BTreeMap<String, Vec<String>>>;
 
 /// Crates from the ground up: each may depend on those before it.
-const ORDER: [&str; 10] = [
+const ORDER: [&str; 12] = [
     "longstep-model",
+    "longstep-files",
     "longstep-verify",
     "longstep-search",
     "longstep-core",
     "longstep-teach",
     "longstep-robot",
     "longstep",
+    "longstep-author",
     "longstep-llm",
     "longstep-eval",
     "longstep-cli",

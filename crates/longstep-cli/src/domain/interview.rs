@@ -3,7 +3,7 @@
 //! An interview is a function of the answers so far: it reads them from the start and ends at the first question without an
 //! answer. So an answer can be taken back, and kept answers can be used again, without a state of its own.
 
-use longstep::domain::{
+use longstep_author::{
     ActionAnswer, AnswerMistake, Answers, KindAnswer, action_mistake, guess_removed, guess_start, missed_removals,
     misspelt_kind, replace_state, same_state, sentence_mistake, start_mistake, unmade_states, unused_kinds,
 };

@@ -5,7 +5,8 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::domain::{self, Answers, NewDomain, SourceText};
+use longstep::domain;
+use longstep_author::{Answers, NewDomain, SourceText};
 use longstep_eval::suite;
 use longstep_files::{plain_reason, read_text};
 
@@ -34,7 +35,7 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
             None => None,
         };
         let problem = problem.as_ref().map(|(file, text)| SourceText { file, text });
-        let new = domain::from_any_pddl(
+        let new = longstep_author::from_any_pddl(
             &name,
             SourceText {
                 file: &file,
@@ -47,13 +48,13 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
     if let Some(path) = &arguments.from {
         let text = read_text(path)?;
         let answers = Answers::read(&path.display().to_string(), &text)?;
-        let new = domain::from_answers(&answers)?;
+        let new = longstep_author::from_answers(&answers)?;
         return finish(folder, new, vec![("answers.toml".to_owned(), text)]);
     }
     let asks = arguments.ask || std::io::stdin().is_terminal();
     if asks && !arguments.starter {
         let answers = questions::answers(&name)?;
-        let new = domain::from_answers(&answers)?;
+        let new = longstep_author::from_answers(&answers)?;
         let kept = vec![("answers.toml".to_owned(), questions::written(&answers))];
         finish(folder, new, kept)?;
         KeptAnswers::remove();

@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 
 use anyhow::Result;
-use longstep::domain::Answers;
+use longstep_author::Answers;
 
 use super::interview::{Question, interview};
 use super::kept_answers::KeptAnswers;

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use longstep::domain::{Domain, Sample, samples};
+use longstep::domain::Domain;
 use longstep::goal::Goal;
 use longstep::session::{Response, Session, Settings};
+use longstep_author::{Sample, samples};
 use longstep_core::environment::World;
 use longstep_core::verify::{VerifiedPlan, check};
 use longstep_llm::{AdvanceError, ChatModel, ModelError, advance, load_domain};

@@ -124,7 +124,7 @@ pub fn fixed_parts(domain: &Domain) -> Result<Vec<Part>, PromptError> {
 }
 
 /// Returns all errors in the direct strategy's prompt files, sorted.
-pub(crate) fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
+pub fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
     let mut findings = match fixed_parts(domain) {
         Err(PromptError::Broken(Diagnostics(findings))) => findings,
         _ => Vec::new(),

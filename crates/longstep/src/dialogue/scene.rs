@@ -24,7 +24,7 @@ pub fn scene(world: &World) -> String {
 type Lines = Vec<(String, String)>;
 
 /// Returns the lines of the objects and of the places among the shown entities.
-pub(crate) fn scene_lists(world: &World, shown: &FxHashSet<EntityId>) -> (Lines, Lines) {
+pub fn scene_lists(world: &World, shown: &FxHashSet<EntityId>) -> (Lines, Lines) {
     let domain = world.domain();
     let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
     let facts: Vec<_> = world.known().iter().collect();

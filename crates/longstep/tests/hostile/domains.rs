@@ -129,7 +129,7 @@ fn loaded(change: fn(&mut Files)) -> Work {
     Box::new(move || {
         if let Ok(domain) = domain::load(&files) {
             let _ = longstep::dialogue::fixed_parts(&domain);
-            domain::lint(&domain, &files);
+            longstep_author::lint(&domain, &files);
         }
         false
     })
