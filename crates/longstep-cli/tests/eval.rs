@@ -201,10 +201,10 @@ fn the_paper_s_tables_come_out_of_its_recordings() {
     assert!(told.contains("14 of 14 entries agree"), "{told}");
 }
 
-/// The answers of a strong model that saw nothing but the requests (`scripts/understanding/README.md`).
+/// The answers of a strong model that saw nothing but the requests (`lab/understanding/README.md`).
 #[test]
 fn recorded_answers_of_a_strong_model_are_right() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/understanding");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lab/understanding");
     for (suite, replies, right, of) in [
         ("test/care", "test-care", 34, 34),
         ("test/home", "test-home", 34, 34),

@@ -1,4 +1,4 @@
-//! `longstep see` with an embedded model that sees: set LONGSTEP_TEST_VISION to the folder that `scripts/vision/tiny.sh` prints,
+//! `longstep see` with an embedded model that sees: set LONGSTEP_TEST_VISION to the folder that `tools/vision/tiny.sh` prints,
 //! build with the feature `vision`, and run with `--include-ignored`. The models have random weights, so what they see is senseless.
 #![cfg(feature = "vision")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
@@ -15,7 +15,7 @@ const PAIRS: [(&str, &str); 3] = [("model", "mlp"), ("model", "tiles"), ("mrope"
 
 fn file(name: &str) -> String {
     let folder = std::env::var("LONGSTEP_TEST_VISION");
-    let folder = folder.expect("LONGSTEP_TEST_VISION must be the folder that scripts/vision/tiny.sh prints");
+    let folder = folder.expect("LONGSTEP_TEST_VISION must be the folder that tools/vision/tiny.sh prints");
     format!("{folder}/{name}.gguf")
 }
 

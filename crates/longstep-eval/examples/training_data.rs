@@ -1,9 +1,9 @@
 //! Prints what a model is trained on: one JSON object for each instruction of the given suites, or for each paragraph of texts.
 //!
-//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/understanding/training/*
-//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/descriptions/*.txt
-//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/changes/*.txt
-//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/compositions/*.txt
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- lab/understanding/training/*
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- lab/adapter/descriptions/*.txt
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- lab/adapter/changes/*.txt
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- lab/adapter/compositions/*.txt
 //!
 //! An object has the suite, the fixed messages of the request (`fixed`, pairs of role and text), the last message up to the
 //! instruction (`lead`), the instruction, and the expected answer, which is null where a question is expected. Of a suite, cases
@@ -11,7 +11,7 @@
 //! expects a question because nothing is to be done (a prohibition alone); `first: ANSWER` and `remark: WORDS` for what was answered before, and
 //! said then. A text of descriptions begins with its domain (`domain: household`); its paragraphs are
 //! answers, which have the sentences of the description in them. A text of changes begins with its suite
-//! (`suite: scripts/understanding/training/bakery`); a paragraph has the id of a case, whose plan is searched for, and lines of what a
+//! (`suite: lab/understanding/training/bakery`); a paragraph has the id of a case, whose plan is searched for, and lines of what a
 //! person says about the plan, and the answer (`Leave out step 3. => drop 3`). `--plans SUITE` prints the cases with their plans, for
 //! those who write such texts. `--requests SUITE` prints what a server is asked for each instruction, for a model that is recorded
 //! elsewhere: the suite, the case and the messages. A text of compositions has paragraphs as the model sees them (`Plans:`, `Checks:`, `Wish:`), `=>`, and the
@@ -385,8 +385,8 @@ mod tests {
     #[test]
     fn the_request_is_the_one_that_the_adapter_has_learned() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let (domain, suite) = read_suite(&root.join("scripts/understanding/training/avstore")).unwrap();
-        let (learned, case) = (root.join("scripts/adapter/learned-request.txt"), &suite.cases[0]);
+        let (domain, suite) = read_suite(&root.join("lab/understanding/training/avstore")).unwrap();
+        let (learned, case) = (root.join("lab/adapter/learned-request.txt"), &suite.cases[0]);
         let world = suite.world(case);
         let input = UnderstandingInput {
             examples: Examples::All,

@@ -1,4 +1,4 @@
-//! Verdicts in batches, for programs that compare them with their own; `scripts/peers/simulate.py` does.
+//! Verdicts in batches, for programs that compare them with their own; `tools/peers/simulate.py` does.
 //!
 //! Reads one JSON object a line from standard input and writes one a line to standard output, in the same order:
 //!

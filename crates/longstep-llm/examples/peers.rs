@@ -1,4 +1,4 @@
-//! Our side of the comparison with other planners; `scripts/peers/compare.py` runs it.
+//! Our side of the comparison with other planners; `tools/peers/compare.py` runs it.
 //!
 //! - `peers export FOLDER`: writes goals of every shipped domain and example as PDDL tasks, one folder each.
 //! - `peers order FOLDER`: writes goals with an order and with prohibitions as ground PDDL tasks.

@@ -1,5 +1,5 @@
 //! Pictures for the embedded engine, with tiny models of random weights: set LONGSTEP_TEST_VISION to their folder, which
-//! `scripts/vision/tiny.sh` prints, build with the feature `vision`, and run with `--include-ignored`.
+//! `tools/vision/tiny.sh` prints, build with the feature `vision`, and run with `--include-ignored`.
 #![cfg(feature = "vision")]
 // Clippy's leave for tests does not reach the functions that they share.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -19,7 +19,7 @@ const PAIRS: [(&str, &str); 4] = [
 
 fn file(name: &str) -> PathBuf {
     let folder = std::env::var_os("LONGSTEP_TEST_VISION");
-    let folder = folder.expect("LONGSTEP_TEST_VISION must be the folder that scripts/vision/tiny.sh prints");
+    let folder = folder.expect("LONGSTEP_TEST_VISION must be the folder that tools/vision/tiny.sh prints");
     Path::new(&folder).join(format!("{name}.gguf"))
 }
 

@@ -1,4 +1,4 @@
-//! Runs in batches, for a program that plays the robot and the person and judges what happens; `scripts/peers/simulate_runs.py`
+//! Runs in batches, for a program that plays the robot and the person and judges what happens; `tools/peers/simulate_runs.py`
 //! does.
 //!
 //! Reads one JSON object a line from standard input and writes one a line to standard output. A run begins with a command:

@@ -13,7 +13,7 @@ use crate::{AdapterChoice, ModelError, catalogue, store};
 /// An adapter of the catalogue: the name of its model, its task and its file.
 type Shipped = (&'static str, Task, &'static [u8]);
 
-/// The adapters of the catalogue. `scripts/adapter` trains them.
+/// The adapters of the catalogue. `lab/adapter` trains them.
 static SHIPPED: &[Shipped] = &[
     (
         catalogue::DEFAULT,

@@ -6,7 +6,7 @@ use longstep_model::domain;
 use longstep_verify::verify::{self, Purpose};
 
 /// A gripper between racks and centrifuges, which spin with their lids closed and with capped tubes.
-const LAB: &str = include_str!("../../../../scripts/peers/coverage/domains/lab.pddl");
+const LAB: &str = include_str!("../../../../tools/peers/coverage/domains/lab.pddl");
 
 /// Solves a goal about four uncapped tubes in the rack, and checks the plan.
 fn lab(goal: &str, limits: &Limits) -> Outcome {

@@ -10,7 +10,7 @@ use longstep_model::model::Environment;
 use longstep_verify::verify::check as verify;
 
 fn world() -> World {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scripts/understanding/test/petshop");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lab/understanding/test/petshop");
     let read = |file: &str| std::fs::read_to_string(format!("{folder}/{file}")).unwrap();
     let files = Files {
         pddl: read("domain/domain.pddl"),
