@@ -225,6 +225,49 @@ fn modules_do_not_import_in_circles() {
     assert!(lines.is_empty(), "imports in circles:\n{}", lines.join("\n"));
 }
 
+/// Names in backticks in a text: `a::b` counts for both.
+fn quoted_names(text: &str) -> BTreeSet<&str> {
+    text.split('`').skip(1).step_by(2).flat_map(words).collect()
+}
+
+#[test]
+fn every_crate_has_its_place() {
+    let folders = fs::read_dir(crates()).unwrap();
+    let names: BTreeSet<String> = folders
+        .map(|folder| folder.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert_eq!(names, ORDER.map(str::to_owned).into());
+}
+
+#[test]
+fn architecture_names_every_module() {
+    let page = fs::read_to_string(crates().join("../ARCHITECTURE.md")).unwrap();
+    let mut missing = Vec::new();
+    for name in ORDER {
+        let heading = format!("\n## Modules of `{name}`\n");
+        let section = page.split(&heading).nth(1).and_then(|rest| rest.split("\n## ").next());
+        let listed = quoted_names(section.unwrap_or_default());
+        let folder = crates().join(name).join("src");
+        let files = sources(&folder);
+        let tests = test_files(&files);
+        let is_test = |file: &PathBuf| tests.iter().any(|test| file.starts_with(test));
+        let modules: BTreeSet<String> = files
+            .iter()
+            .filter(|file| !is_test(file))
+            .map(|file| file.strip_prefix(&folder).unwrap().components().next().unwrap())
+            .map(|first| first.as_os_str().to_str().unwrap().trim_end_matches(".rs").to_owned())
+            .filter(|module| !matches!(module.as_str(), "lib" | "main"))
+            .collect();
+        let left_out = modules.iter().filter(|module| !listed.contains(module.as_str()));
+        missing.extend(left_out.map(|module| format!("{name}: {module}")));
+    }
+    assert!(
+        missing.is_empty(),
+        "ARCHITECTURE.md leaves out:\n{}",
+        missing.join("\n")
+    );
+}
+
 #[test]
 fn crates_depend_one_way() {
     for (place, name) in ORDER.iter().enumerate() {

@@ -6,20 +6,17 @@
 //!
 //! ```no_run
 //! use longstep_model::{domain, environment};
-//! use longstep_verify::plan::{self, resolve};
-//! use longstep_verify::verify::{Purpose, bind, check};
+//! use longstep_verify::plan;
+//! use longstep_verify::verify::check_file;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let domain = domain::load(&longstep_files::domain_files("my_robot")?)?;
 //! let scene = longstep_files::read_text("kitchen.json".as_ref())?;
 //! let world = environment::parse(&domain, "kitchen.json", &scene)?;
-//! let file = plan::PlanFile::from_json(&longstep_files::read_text("plan.json".as_ref())?)?;
-//! let resolved = resolve(&world, &file.task_cohesion);
-//! let steps = resolved.complete().ok_or("the plan names what the world lacks")?;
-//! let (plan, _) = bind(&world, &steps, &resolved.objects, None).map_err(|violation| violation.message(&world, &[], None))?;
-//! let report = check(&world, plan, &Purpose::default());
-//! for violation in &report.violations {
-//!     println!("{}", violation.message(&world, report.plan.steps(), None));
+//! let draft = plan::read(&longstep_files::read_text("plan.json".as_ref())?)?;
+//! match check_file(&world, &draft.file) {
+//!     Ok(report) => println!("{} violations", report.violations.len()),
+//!     Err(violations) => println!("{} names or arguments do not fit", violations.len()),
 //! }
 //! # Ok(())
 //! # }

@@ -33,7 +33,7 @@ pub use longstep_model::model::{Change, Ending, Missing, Trace, apply, broken_bi
 
 use std::borrow::Cow;
 
-use crate::plan::{Plan, Step, StepId};
+use crate::plan::{Plan, PlanFile, Step, StepId, resolve};
 use longstep_model::domain::Problem;
 use longstep_model::effort;
 use longstep_model::environment::Claim;
@@ -219,6 +219,41 @@ impl Report {
             Err(Box::new(self))
         }
     }
+}
+
+/// Simulates a written plan: resolves its names, binds the arguments that its notation hides, and follows every path.
+///
+/// The world must have the values that the plan mentions ([`PlanFile::world_of`]). Its claims are checked; a goal is not
+/// ([`check`] takes a purpose).
+///
+/// # Errors
+///
+/// The violations that prevent simulation: unknown names, and arguments that no entity fits.
+///
+/// ```
+/// use longstep_model::{domain, environment};
+/// use longstep_verify::plan;
+/// use longstep_verify::verify::check_file;
+///
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let text = r#"{"assets": ["<table>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
+/// let world = environment::parse(&household, "table.json", text).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<cup>"}"#).unwrap();
+/// let report = check_file(&world, &draft.file).unwrap();
+/// assert!(report.violations.is_empty());
+/// assert_eq!(report.into_verified().unwrap().steps().len(), 2);
+/// ```
+pub fn check_file(world: &World, file: &PlanFile) -> Result<Report, Vec<Violation>> {
+    let claim = file.environment_after.as_ref();
+    let claim = claim.map(|environment| Claim::read(world, environment));
+    let resolved = resolve(world, &file.task_cohesion);
+    let (plan, _) = bind_tree(world, &resolved, claim.as_ref())?;
+    let purpose = Purpose {
+        claim,
+        step_claims: resolved.claims,
+        ..Purpose::default()
+    };
+    Ok(check(world, plan, &purpose))
 }
 
 /// Simulates a plan from the world's state.
