@@ -54,7 +54,7 @@ totals() {
 }
 
 say "# Results" "" \
-    "Written by \`lab/results.sh\`; what the measures mean is told in [evaluation.md](../docs/evaluation.md)." "" \
+    "Written by \`lab/results.sh\`; what the measures mean is told in [evaluation.md](../docs/guide/evaluation.md)." "" \
     "- longstep $("$longstep" --version | cut -d' ' -f2), model \`$model\`" \
     "- $(uname -sm), $(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | xargs), $(nproc) cores" \
     "- $(rustc --version)"

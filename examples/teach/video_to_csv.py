@@ -2,7 +2,7 @@
 
 One camera measures no distance. Without --depth, MediaPipe's guess of metric positions around the hips is written, in the
 frame `hips`: directions and shapes are usable, sizes and places are not. With --depth and --camera, positions are measured,
-in the frame `camera`; --to-world makes them positions of the robot's frame. See docs/teaching.md.
+in the frame `camera`; --to-world makes them positions of the robot's frame. See docs/guide/teaching.md.
 """
 
 import argparse

@@ -23,7 +23,7 @@ fail() {
     printf 'error: %s\nhint: %s\n' "$1" "$2" >&2
     exit 1
 }
-[ "$(uname -sm)" = "Linux x86_64" ] || fail "the wheels of ROS 2 are for Linux on x86_64" "use your own ROS 2: docs/ros2.md"
+[ "$(uname -sm)" = "Linux x86_64" ] || fail "the wheels of ROS 2 are for Linux on x86_64" "use your own ROS 2: docs/guide/ros2.md"
 command -v cmake >/dev/null || fail "cmake is missing" "install it, for example with: apt-get install cmake g++"
 library=$(python3 -c 'import sysconfig; print(sysconfig.get_config_var("LIBDIR") + "/" + sysconfig.get_config_var("INSTSONAME"))')
 [ -e "$library" ] || fail "$library is missing" "use a Python with a shared library, such as that of Debian (libpython3-dev)"

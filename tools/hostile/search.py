@@ -5,7 +5,7 @@
 
 Every input over a limit is printed, made smaller and kept in a folder of its own with the command that shows it. The last
 table lists, for each family of inputs, how many were run and the most that one took. Exits with 1 if anything was found.
-docs/hostile-inputs.md tells how the search works.
+docs/internals/hostile-inputs.md tells how the search works.
 """
 
 import argparse

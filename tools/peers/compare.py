@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares our search with Fast Downward's. See docs/peers.md.
+"""Compares our search with Fast Downward's. See docs/internals/peers.md.
 
     tools/peers/compare.py shipped        our own domains, written as PDDL: shortest plans of the same length
     tools/peers/compare.py order          goals with an order and prohibitions, written as ground PDDL tasks

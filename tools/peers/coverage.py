@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares the coverage of our search with `lama-first` on random solvable tasks. See docs/peers.md.
+"""Compares the coverage of our search with `lama-first` on random solvable tasks. See docs/internals/peers.md.
 
     tools/peers/coverage.py --seed 7 --count 300 --limit 10
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares the verifier and the search with an independent simulator, on random cases. See docs/peers.md.
+"""Compares the verifier and the search with an independent simulator, on random cases. See docs/internals/peers.md.
 
     tools/peers/simulate.py --cases 2000              a fresh sample over all classes; prints its seed
     tools/peers/simulate.py --seed 7 --cases 2000     the same sample again

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Judges random runs of plans: an independent robot, person and judge, written from docs/execution.md. See docs/peers.md.
+"""Judges random runs of plans: an independent robot, person and judge, written from docs/reference/execution.md. See docs/internals/peers.md.
 
     tools/peers/simulate_runs.py --runs 2000              a fresh sample; prints its seed
     tools/peers/simulate_runs.py --seed 7 --runs 2000     the same sample again

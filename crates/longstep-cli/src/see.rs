@@ -111,7 +111,7 @@ fn seen_in_boxes(arguments: &SeeArguments, domain: &Domain, file: &str, text: &s
     let scene = Scene::parse(file, text)?;
     let look = geometry::look(domain, &scene).map_err(|error| match error {
         LookError::NoGeometry(_) => Failure::unreadable(error.to_string())
-            .hint("add `geometry = [\"on\"]` to the state in domain.toml that says it; see docs/domains.md"),
+            .hint("add `geometry = [\"on\"]` to the state in domain.toml that says it; see docs/reference/domains.md"),
         _ => Failure::new(error.to_string(), LIMIT).hint("split the scene"),
     })?;
     let report = Report::of_look(domain, look);

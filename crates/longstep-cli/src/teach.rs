@@ -241,7 +241,7 @@ fn recording(path: &Path, hand: Option<Hand>) -> Result<Demonstration> {
         .map_err(|error| failed(&error))?;
     Demonstration::read_hand(&shown, format, &bytes, hand.unwrap_or(Hand::Right)).map_err(|error| {
         Failure::unreadable(error.to_string())
-            .hint("docs/teaching.md lists the columns of recordings")
+            .hint("docs/guide/teaching.md lists the columns of recordings")
             .into()
     })
 }

@@ -1,6 +1,6 @@
 //! The measures of a run.
 //!
-//! They are defined here; `docs/evaluation.md` documents them for users. Rates have a 95 % confidence interval
+//! They are defined here; `docs/guide/evaluation.md` documents them for users. Rates have a 95 % confidence interval
 //! ([`Rate::interval`]).
 
 use std::collections::BTreeMap;

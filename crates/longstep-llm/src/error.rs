@@ -279,11 +279,11 @@ impl ModelError {
             ),
             Self::NoProjector { .. } => Some(
                 "name its projector (mmproj) file with `--vision FILE`, or use a model that sees on a server; see \
-                 docs/seeing.md"
+                 docs/guide/seeing.md"
                     .into(),
             ),
             Self::BadProjector { .. } => {
-                Some("use the projector (mmproj) file that was published with the model; see docs/seeing.md".into())
+                Some("use the projector (mmproj) file that was published with the model; see docs/guide/seeing.md".into())
             }
             Self::BadPicture { .. } => Some("save it again as PNG or JPEG, and not larger than a screen".into()),
             Self::TooLong { .. } => Some(

@@ -6,7 +6,7 @@
 //! that exhausts its budget ends early with a typed result that says so; it never returns a verdict that rests on
 //! unfinished work.
 //!
-//! Budgets count units, never seconds, so the result does not depend on the machine. `docs/limits.md` lists every
+//! Budgets count units, never seconds, so the result does not depend on the machine. `docs/reference/limits.md` lists every
 //! budget.
 //!
 //! ```

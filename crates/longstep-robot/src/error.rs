@@ -200,7 +200,7 @@ impl RobotError {
             ),
             Self::UnderWay { .. } => Some("wait until it has ended, or end it at the robot, then try again"),
             Self::InUse { .. } => Some("wait for the other run to end, or stop it"),
-            Self::Protocol { .. } => Some("docs/robots.md describes the messages of a robot"),
+            Self::Protocol { .. } => Some("docs/guide/robots.md describes the messages of a robot"),
             _ => None,
         }
     }

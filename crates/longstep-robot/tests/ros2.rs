@@ -200,7 +200,7 @@ fn root() -> PathBuf {
 
 #[test]
 fn the_configurations_that_are_shown_can_be_used() {
-    let page = std::fs::read_to_string(root().join("docs/ros2.md")).unwrap();
+    let page = std::fs::read_to_string(root().join("docs/guide/ros2.md")).unwrap();
     let (_, block) = page.split_once("```toml\n").unwrap();
     // Its table `joint` is left to the reader.
     let block = block
@@ -209,7 +209,7 @@ fn the_configurations_that_are_shown_can_be_used() {
         .0
         .replace("[table.pose]", "[table.joint]\n[table.pose]");
     assert_eq!(
-        Configuration::parse("docs/ros2.md", &block).unwrap().name(),
+        Configuration::parse("docs/guide/ros2.md", &block).unwrap().name(),
         "kitchen arm"
     );
     let example = std::fs::read_to_string(root().join("examples/robots/ros2/robot.toml")).unwrap();

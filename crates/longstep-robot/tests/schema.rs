@@ -73,7 +73,7 @@ copy(">", sys.stdin, robot.stdin)
 robot.wait()
 "#;
 
-/// Starts the example of docs/robots.md behind the tap.
+/// Starts the example of docs/guide/robots.md behind the tap.
 fn example(folder: &Path) -> (Process, PathBuf) {
     let page = std::fs::read_to_string(docs().join("robots.md")).unwrap();
     let block = page.split("```python\n").nth(1).unwrap().split("```").next().unwrap();

@@ -1,4 +1,4 @@
-//! The fits of random motions with 5 mm of noise at 30 Hz: the bounds of docs/teaching.md.
+//! The fits of random motions with 5 mm of noise at 30 Hz: the bounds of docs/guide/teaching.md.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod person;

@@ -1,4 +1,4 @@
-"""Records the path of the hand as a demonstration for `longstep teach`. See docs/teaching.md."""
+"""Records the path of the hand as a demonstration for `longstep teach`. See docs/guide/teaching.md."""
 
 import random
 

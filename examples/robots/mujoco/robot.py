@@ -1,7 +1,7 @@
 """A floating hand in MuJoCo, as a robot for Longstep: `longstep run ... --robot "process:python3 robot.py"`.
 
 Builds its scene from the environment that Longstep sends (or from --env), performs the actions of the household domain, and
-reports what it measures. See docs/robots.md.
+reports what it measures. See docs/guide/robots.md.
 """
 
 import argparse

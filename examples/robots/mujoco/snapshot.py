@@ -1,4 +1,4 @@
-"""A picture and the boxes of a scene, for `longstep see`: what a camera and a detector would give. See docs/seeing.md."""
+"""A picture and the boxes of a scene, for `longstep see`: what a camera and a detector would give. See docs/guide/seeing.md."""
 
 import argparse
 import json

@@ -4,7 +4,7 @@
     longstep teach plan.json --recorder "python3 tracker.py run.jsonl"
 
 The log of the simulated run has the environment and the steps with all their arguments. The tracker performs the steps before the one that is to be shown (LONGSTEP_STEP) unseen, then that step at the speed of a person, and
-writes the path of the hand as it moves, until Ctrl-C. See docs/robots.md.
+writes the path of the hand as it moves, until Ctrl-C. See docs/guide/robots.md.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """A robot of pyrobosim for Longstep: `longstep run ... --robot "process:examples/robots/pyrobosim/run"`.
 
 The world is pyrobosim's own. With `--environment` the program prints it as an environment file of the domain beside it.
-See docs/robots.md.
+See docs/guide/robots.md.
 """
 
 import argparse

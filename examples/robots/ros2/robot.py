@@ -1,4 +1,4 @@
-"""A robot of the domain `household` in ROS 2, whose world is in its memory: robot.py ENVIRONMENT.json (docs/ros2.md)"""
+"""A robot of the domain `household` in ROS 2, whose world is in its memory: robot.py ENVIRONMENT.json (docs/guide/ros2.md)"""
 import json, sys, time
 import rclpy
 from rclpy.action import ActionServer, CancelResponse

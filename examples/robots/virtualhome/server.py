@@ -3,7 +3,7 @@
     python3 server.py --environment kitchen.json
 
 It listens on the loopback interface only, prints its address as its first line, and ends by itself. It has one character, no
-animation, and draws a chart where Unity renders a picture. See docs/virtualhome.md.
+animation, and draws a chart where Unity renders a picture. See docs/guide/virtualhome.md.
 """
 
 import argparse

@@ -1,1 +1,1 @@
-"""Random solvable tasks of eight domains, for the comparison of searches (docs/peers.md)."""
+"""Random solvable tasks of eight domains, for the comparison of searches (docs/internals/peers.md)."""

@@ -1,4 +1,4 @@
-"""Goals and constraints with groups: `put(all cup where dirty except mug, sink)`, written from docs/goals.md.
+"""Goals and constraints with groups: `put(all cup where dirty except mug, sink)`, written from docs/reference/goals.md.
 
 A group stands for entities of the environment. `all` is one goal for each of them; the other quantifiers are one condition
 over all combinations, so that a breadth-first search needs to know nothing of groups.

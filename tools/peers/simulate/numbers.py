@@ -1,4 +1,4 @@
-"""Numbers of a world: exact decimals with six places, as docs/domains.md has them. A value is in millionths."""
+"""Numbers of a world: exact decimals with six places, as docs/reference/domains.md has them. A value is in millionths."""
 
 from fractions import Fraction
 

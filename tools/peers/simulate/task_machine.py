@@ -1,5 +1,5 @@
 """The meaning of a planning task, and the least cost of a plan by Dijkstra's algorithm, written from PDDL's semantics,
-docs/domains.md and docs/goals.md."""
+docs/reference/domains.md and docs/reference/goals.md."""
 
 import heapq
 import itertools

@@ -139,7 +139,7 @@ fn our_own_domains_are_clean() {
 
 #[test]
 fn every_lint_is_in_the_documentation() {
-    let documentation = include_str!("../../../../docs/domains.md");
+    let documentation = include_str!("../../../../docs/reference/domains.md");
     for lint in Lint::ALL {
         assert!(documentation.contains(&format!("`{}`", lint.name())), "{lint:?}");
     }

@@ -140,7 +140,7 @@ impl AnswerReader<'_> {
             let _ = write!(predicates, "\n    ({}{typed})", pattern.name);
         }
         format!(
-            "; Made from answers about the robot; edit it as you like. docs/domains.md explains the parts.\n\
+            "; Made from answers about the robot; edit it as you like. docs/reference/domains.md explains the parts.\n\
              (define (domain {})\n  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions\n\
              \x20                :quantified-preconditions :conditional-effects :equality)\n\n  (:types{})\n\n\
              \x20 (:predicates{predicates})\n{actions})\n",

@@ -273,7 +273,7 @@ fn write_all(
     writeln!(
         text,
         "# The words for domain.pddl. Read every sentence aloud and change those that sound wrong: people and models\n\
-         # read them. docs/domains.md explains each key.\n\n\
+         # read them. docs/reference/domains.md explains each key.\n\n\
          name = {}\nabout = {}\n\n\
          # What the two lists of an environment hold.\n[environment]\nassets = {}\nobjects = {}\n\n\
          # A sentence for every fact, and for its opposite. `short` is how a language model sees it in the line of its\n\

@@ -99,7 +99,7 @@ impl Decide for Asked<'_> {
 fn unfit(error: ObserveError) -> Failure {
     let hint = match &error {
         ObserveError::OutOfTurn(_) => "accept the plan, or cancel it with `/undo`, first",
-        _ => "docs/robots.md has the form of observations",
+        _ => "docs/guide/robots.md has the form of observations",
     };
     Failure::unreadable(error.to_string()).hint(hint)
 }
@@ -280,7 +280,7 @@ fn observation_in(path: &Path) -> Result<Statements> {
     let read = serde_json::from_str(&text);
     Ok(read.map_err(|error| {
         Failure::unreadable(format!("{}: {error}", path.display())).hint(
-            r#"an observation is like {"states": {"<cup>": "on_something(<shelf>)"}}; docs/robots.md describes it"#,
+            r#"an observation is like {"states": {"<cup>": "on_something(<shelf>)"}}; docs/guide/robots.md describes it"#,
         )
     })?)
 }

@@ -156,7 +156,7 @@ fn read(recording: &[u8]) -> Result<Demonstration> {
 
 fn unreadable(error: ReadError) -> Failure {
     Failure::unreadable(error.to_string()).hint(
-        "a recorder writes CSV with a line of names, or JSON Lines, and nothing else; docs/teaching.md lists the columns",
+        "a recorder writes CSV with a line of names, or JSON Lines, and nothing else; docs/guide/teaching.md lists the columns",
     )
 }
 

@@ -1,4 +1,4 @@
-//! Limits on the size and duration of a server's answers. `docs/models.md` lists them.
+//! Limits on the size and duration of a server's answers. `docs/guide/models.md` lists them.
 //!
 //! Every byte is counted before it is kept, and no text grows without a limit.
 

@@ -239,11 +239,11 @@ impl Scene {
                 true => (
                     "boxes of a picture, in pixels, have no position and no size in space",
                     "give each a `position` and a `size` in metres, from a depth camera for example, or pass the picture itself; see \
-                     docs/seeing.md",
+                     docs/guide/seeing.md",
                 ),
                 false => (
                     reason,
-                    "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/seeing.md",
+                    "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/guide/seeing.md",
                 ),
             };
             Diagnostics(vec![

@@ -1,4 +1,4 @@
-//! Measures executions in the simulator; `docs/execution.md` has the figures.
+//! Measures executions in the simulator; `docs/reference/execution.md` has the figures.
 //!
 //!     cargo run -p longstep-robot --example measure_execution -- runs 1000 [FIRST SEED]
 //!     cargo run -p longstep-robot --example measure_execution -- lanes 200

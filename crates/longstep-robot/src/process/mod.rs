@@ -1,6 +1,6 @@
 //! Robots behind another program, which speaks JSON-RPC 2.0 over its standard input and output: one object a line.
 //!
-//! `docs/robots.md` describes the messages. Invariants:
+//! `docs/guide/robots.md` describes the messages. Invariants:
 //!
 //! - Before an order is sent, everything that the robot wrote until then is read. An order never follows a message that
 //!   breaks the protocol.

@@ -1,7 +1,7 @@
 //! Robots behind ROS 2, through a rosbridge server: JSON over a WebSocket.
 //!
 //! `robot.toml` ([`Configuration`]) says which action server performs each action, and how topics and services become
-//! observations; `docs/ros2.md` describes it. Types of ROS 2 stay data, so that this crate needs none of them. Invariants:
+//! observations; `docs/guide/ros2.md` describes it. Types of ROS 2 stay data, so that this crate needs none of them. Invariants:
 //!
 //! - Only actions of the allow-list are sent, not faster than the rate, and only to servers that answered before.
 //! - Before an order is sent, everything that the bridge sent until then is read.

@@ -1,6 +1,6 @@
 //! The VirtualHome simulator as a robot: a client of its HTTP interface, which performs one line of a script at a time.
 //!
-//! `docs/virtualhome.md` describes its use. Invariants:
+//! `docs/guide/virtualhome.md` describes its use. Invariants:
 //!
 //! - Every request has a timeout, and every answer a limit of bytes.
 //! - A scene is never reset while a robot is open: a run that is resumed continues in the scene as it is.

@@ -1,4 +1,4 @@
-"""What a run may believe after its events, and why: written from the section "Knowledge" of docs/execution.md."""
+"""What a run may believe after its events, and why: written from the section "Knowledge" of docs/reference/execution.md."""
 
 from ..numbers import UNSURE, State
 from ..world import as_list, holds

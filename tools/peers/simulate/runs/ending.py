@@ -1,4 +1,4 @@
-"""The ends of runs: "Done" is true as far as docs/execution.md promises, and a stop has a true reason."""
+"""The ends of runs: "Done" is true as far as docs/reference/execution.md promises, and a stop has a true reason."""
 
 from ..numbers import State
 from ..world import as_list, holds

@@ -1,4 +1,4 @@
-"""The judge of a run: each event is compared with what docs/execution.md allows after the events before it."""
+"""The judge of a run: each event is compared with what docs/reference/execution.md allows after the events before it."""
 
 from collections import Counter
 from dataclasses import dataclass

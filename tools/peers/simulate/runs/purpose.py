@@ -1,4 +1,4 @@
-"""Purposes: goals with stages and constraints, as docs/goals.md has them."""
+"""Purposes: goals with stages and constraints, as docs/reference/goals.md has them."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -189,7 +189,7 @@ class Tracker:
     """Follows the stages of a purpose.
 
     A strict tracker counts only what every reading of the pages counts: each part has to become true after its stage has begun.
-    A lenient one asks for this where no exception of docs/goals.md can apply.
+    A lenient one asks for this where no exception of docs/reference/goals.md can apply.
     """
 
     def __init__(self, purpose: Purpose, strict: bool):

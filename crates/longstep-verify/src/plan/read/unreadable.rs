@@ -10,11 +10,11 @@ pub(super) const LARGEST: usize = 1 << 20;
 /// The notations in which plans are read, as a hint for a text in none of them.
 const NOTATIONS_READ: &str = "a plan is JSON or a Python literal with `task_cohesion`, a list of calls or of objects with `action` under \
     `plan` or `steps`, tool calls, YAML, a script, a list or table of calls such as `Open(<fridge>)`, a VirtualHome script, or what a planner \
-    prints (docs/verification.md)";
+    prints (docs/reference/verification.md)";
 
 /// The hint for prose, which may be a refusal.
 const PROSE: &str = "show what it says to the person, or ask again: a plan is JSON, YAML, a script, or a list of calls such as \
-    `Open(<fridge>)` (docs/verification.md)";
+    `Open(<fridge>)` (docs/reference/verification.md)";
 
 /// Reasons why a reply contains no readable plan. The reader never completes a plan and never chooses between plans.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
