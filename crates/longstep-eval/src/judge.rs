@@ -99,7 +99,12 @@ impl<'a> Standard<'a> {
         concerned.extend(reference.iter().flat_map(|plan| self.changed(plan.endings())));
         let mut unexpected: Vec<EntityId> = self.changed(&report.endings);
         unexpected.retain(|entity| !concerned.contains(entity));
-        let deviation = |entity: EntityId| format!("{} ends as nobody asked for", world.with_article(entity));
+        let deviation = |entity: EntityId| {
+            format!(
+                "the plan changes {}, which the instruction does not mention",
+                world.with_article(entity)
+            )
+        };
         Amiss {
             unreached,
             unexpected: unexpected.into_iter().map(deviation).collect(),

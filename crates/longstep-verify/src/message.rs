@@ -60,7 +60,10 @@ impl Violation {
                 format!("{place}: {error}")
             }
             Self::NotSensing { step, call, senses } => {
-                let mut message = format!("step {}: `{call}` tells nothing, so no condition can ask it", step + 1);
+                let mut message = format!(
+                    "step {}: `{call}` is not a sensing action, so it cannot be a condition",
+                    step + 1
+                );
                 if !senses.is_empty() {
                     message.push_str(&format!("; what can be asked is {}", senses.join(", ")));
                 }
@@ -143,7 +146,7 @@ impl Violation {
             }
             Self::Claim { fact } => {
                 let text = voice.fact(world, *fact, true);
-                format!("at the end, this is claimed and not so: {text}")
+                format!("the plan claims that {text}, but it does not hold at the end")
             }
             Self::NumberClaim {
                 fluent,
@@ -155,9 +158,9 @@ impl Violation {
                 match simulated {
                     Some(number) => {
                         let number = voice.number(world, *fluent, *number);
-                        format!("at the end, {name} is claimed to be {claimed}, and it is {number}")
+                        format!("the plan claims that {name} is {claimed} at the end, but it is {number}")
                     }
-                    None => format!("at the end, {name} is claimed to be {claimed}, and it is not known"),
+                    None => format!("the plan claims that {name} is {claimed} at the end, but it is not known"),
                 }
             }
             Self::NoEffect { step } => {
@@ -166,7 +169,7 @@ impl Violation {
             }
             Self::Unasked { entity } => {
                 let name = voice.name(world, *entity);
-                format!("{name} ends elsewhere, and nobody asked for that")
+                format!("the plan moves {name}, which the instruction does not mention")
             }
             Self::Unsensed { step, fact } => {
                 let text = voice.fact(world, *fact, true);
@@ -181,7 +184,7 @@ impl Violation {
             }
             Self::EndlessLoop { step } => {
                 format!(
-                    "{}the loop can come to where nothing in it changes what it asks, and never ends",
+                    "{}the loop may never end: in some state no step in it changes its condition",
                     at(*step)
                 )
             }

@@ -106,7 +106,8 @@ impl Reader<'_> {
         let tables: BTreeMap<String, Table> = tables.collect();
         if file.action.is_empty() {
             self.findings.push(
-                Diagnostic::whole(&self.source.file, "there is no [[action]]").hint("docs/guide/ros2.md has an example"),
+                Diagnostic::whole(&self.source.file, "there is no [[action]]")
+                    .hint("docs/guide/ros2.md has an example"),
             );
         }
         let mut actions: Vec<ActionRule> = Vec::new();

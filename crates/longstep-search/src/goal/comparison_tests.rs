@@ -282,7 +282,7 @@ fn a_claimed_number_is_compared_with_the_simulated_one() {
     assert!(claimed(&["raining", "bucket(5)", "battery(80)"]).is_empty());
     assert_eq!(
         claimed(&["raining", "bucket(4)", "battery(80)"]),
-        ["at the end, bucket() is claimed to be 4, and it is 5"]
+        ["the plan claims that bucket() is 4 at the end, but it is 5"]
     );
 }
 

@@ -348,7 +348,7 @@ impl Reasons<'_> {
             }
             Reason::Impossible => format!("it can never be done here{needs}"),
             Reason::Idle => "it would change nothing here".to_owned(),
-            Reason::Unwanted => format!("it cannot be had together with the rest{needs}"),
+            Reason::Unwanted => format!("it conflicts with the rest of the plan{needs}"),
         }
     }
 }

@@ -24,9 +24,7 @@ pub enum Misfit {
         name: String,
     },
     /// A condition calls a stored plan.
-    #[error(
-        "`{name}` is a stored plan, which tells nothing that could be asked: a condition asks a sensing action or a state"
-    )]
+    #[error("`{name}` is a stored plan, so it cannot be a condition: a condition is a sensing action or a state")]
     PlanInCondition {
         /// The plan.
         name: String,

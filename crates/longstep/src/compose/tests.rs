@@ -237,7 +237,7 @@ fn what_cannot_be_in_its_place_is_told() {
     check(
         &scene,
         "if take_cream():\n    drop_cream()",
-        "`take_cream` is a stored plan, which tells nothing that could be asked: a condition asks a sensing action or a state",
+        "`take_cream` is a stored plan, so it cannot be a condition: a condition is a sensing action or a state",
     );
     check(
         &scene,

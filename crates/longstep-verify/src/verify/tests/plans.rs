@@ -144,7 +144,7 @@ fn where_calls_do_not_say_where_the_claim_does() {
     // Without a step that puts it down, the cup can only have been dropped into the bin.
     assert_eq!(
         messages(&[&lifted[..], &["release_object()"]].concat()),
-        ["at the end, this is claimed and not so: the cup is on the table"]
+        ["the plan claims that the cup is on the table, but it does not hold at the end"]
     );
 }
 

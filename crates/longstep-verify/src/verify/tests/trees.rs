@@ -133,16 +133,14 @@ fn loops_end_or_are_refused() {
     // A sensed fact stays known.
     check(
         &[Part::While(Guard::Feel(2), all(&["press left 2", "unpress left 2"]))],
-        &[
-            "step 1: the loop can come to where nothing in it changes what it asks, and never ends (when lamp 2 is warm)",
-        ],
+        &["step 1: the loop may never end: in some state no step in it changes its condition (when lamp 2 is warm)"],
     );
     check(
         &[Part::While(
             Guard::Is("lit", 1),
             all(&["press left 2", "unpress left 2"]),
         )],
-        &["step 1: the loop can come to where nothing in it changes what it asks, and never ends"],
+        &["step 1: the loop may never end: in some state no step in it changes its condition"],
     );
     // On the second iteration the lamp is already lit.
     check(
