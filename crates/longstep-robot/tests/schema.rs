@@ -75,7 +75,7 @@ robot.wait()
 
 /// Starts the example of docs/guide/robots.md behind the tap.
 fn example(folder: &Path) -> (Process, PathBuf) {
-    let page = std::fs::read_to_string(docs().join("robots.md")).unwrap();
+    let page = std::fs::read_to_string(docs().join("guide/robots.md")).unwrap();
     let block = page.split("```python\n").nth(1).unwrap().split("```").next().unwrap();
     let lines = block.lines().count();
     assert!(lines <= 35, "the example has {lines} lines");
