@@ -33,7 +33,7 @@ pub(crate) use world::{DraftArguments, WorldArguments, domain_or_default, requir
     after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up, \
 13 clarifying question, 20 limit reached, 30 unreadable input, 40 model or network failed, 50 run stopped, \
 51 robot failed, 52 robot gone, 53 robot late, 54 step rejected, 55 robot in use, 56 server missing, \
-57 server of another type, 60 output not written."
+57 server of another type, 58 goal not seen, 60 output not written, 130 interrupted."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]

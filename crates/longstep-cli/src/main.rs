@@ -1,9 +1,7 @@
 //! The `longstep` program.
 //!
-//! Results go to stdout, progress and errors to stderr. Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12
-//! search gave up, 13 clarifying question, 20 limit, 30 unreadable input, 40 model or network, 50 run stopped, 51 to 57 robot
-//! failed, 60
-//! stdout not writable.
+//! Results go to stdout, progress and errors to stderr. The exit codes are in `exit_code`, and on the page
+//! docs/reference/command-line.md.
 
 mod arguments;
 mod ask;

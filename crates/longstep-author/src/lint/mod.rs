@@ -167,7 +167,8 @@ impl fmt::Display for Finding {
 /// sorted by file and position.
 ///
 /// ```
-/// use longstep::domain::{lint, load, shipped_files};
+/// use longstep::domain::{load, shipped_files};
+/// use longstep_author::lint;
 /// let files = shipped_files("household").unwrap();
 /// assert_eq!(lint(&load(&files).unwrap(), &files), []);
 /// ```

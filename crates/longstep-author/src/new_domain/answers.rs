@@ -70,7 +70,7 @@ impl Answers {
     /// Every place that is not TOML in this form.
     ///
     /// ```
-    /// use longstep::domain::{Answers, from_answers};
+    /// use longstep_author::{Answers, from_answers};
     /// let text = r#"
     /// name = "porter"
     /// kind = [{ name = "box" }, { name = "shelf", stays = true }]

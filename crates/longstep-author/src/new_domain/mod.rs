@@ -90,7 +90,7 @@ struct Blueprint {
 /// reached.
 ///
 /// ```
-/// use longstep::domain::{SourceText, from_any_pddl};
+/// use longstep_author::{SourceText, from_any_pddl};
 /// let text = "(define (domain lamps) (:predicates (lit ?lamp))
 ///     (:action light :parameters (?lamp) :precondition (not (lit ?lamp)) :effect (lit ?lamp)))";
 /// let new = from_any_pddl("lamps", SourceText { file: "lamps.pddl", text }, None).unwrap();

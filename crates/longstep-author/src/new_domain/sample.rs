@@ -41,7 +41,7 @@ pub struct Sample {
 /// let planner = longstep::Planner::shipped("household")?;
 /// let world = planner.world(r#"{"assets": ["<counter>", "<table>"], "objects": ["<milk>"],
 ///     "object_states": {"<milk>": "on_something(<counter>)"}}"#)?;
-/// let samples = longstep::domain::samples(&world, 5, 0);
+/// let samples = longstep_author::samples(&world, 5, 0);
 /// assert!(samples.iter().all(|sample| !sample.plan.steps().is_empty()));
 /// # Ok::<(), longstep::Error>(())
 /// ```

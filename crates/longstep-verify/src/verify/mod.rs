@@ -238,10 +238,11 @@ impl Report {
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<table>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
 /// let world = environment::parse(&household, "table.json", text).unwrap();
-/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<cup>"}"#).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["grasp_object()"], "object_name": "<cup>"}"#).unwrap();
 /// let report = check_file(&world, &draft.file).unwrap();
-/// assert!(report.violations.is_empty());
-/// assert_eq!(report.into_verified().unwrap().steps().len(), 2);
+/// let message = report.violations[0].message(&world, report.plan.steps(), None);
+/// assert_eq!(message, "step 1: grasp_object() needs that the hand is at the cup");
+/// assert!(report.into_verified().is_err());
 /// ```
 pub fn check_file(world: &World, file: &PlanFile) -> Result<Report, Vec<Violation>> {
     let claim = file.environment_after.as_ref();
