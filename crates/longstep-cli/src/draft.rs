@@ -13,6 +13,7 @@ use longstep_core::verify::VerifiedPlan;
 use longstep_llm::load_domain;
 
 use crate::arguments::{DraftArguments, domain_or_default, required};
+use crate::exit_code;
 use crate::failure::Failure;
 use crate::output::{self, Form};
 use crate::plan_domain::{changed_domain, is_foreign as is_foreign_to, knows_no_step, other_domain, wrong_domain};
@@ -149,7 +150,7 @@ impl Draft {
                 }
                 form => output::in_form(form, &answer),
             }
-            answer.status.exit_code()
+            exit_code::of_status(answer.status)
         })
     }
 

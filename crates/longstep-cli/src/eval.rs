@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use longstep::domain::{Domain, Files};
-use longstep::report::Status;
 use longstep::session::{RepairPolicy, Settings, Strategy};
 use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
 use longstep_eval::suite::{self, PLAIN, Suite};
@@ -19,6 +18,7 @@ use longstep_llm::{AdvanceError, ModelError, ModelReference};
 
 use crate::arguments::{EvalArguments, EvalCommand, ModelArguments};
 use crate::ask;
+use crate::exit_code;
 use crate::failure::{Failure, MODEL};
 use crate::output::{self, counted, print_line, remark};
 use progress::Bar;
@@ -40,7 +40,7 @@ fn list() -> Result<u8> {
         let steps: usize = suite.cases.iter().map(|case| case.steps.len()).sum();
         print_line!("{name:<12} {steps:>4} instructions  {}", suite.about);
     }
-    Ok(Status::Verified.exit_code())
+    Ok(exit_code::DONE)
 }
 
 /// A run and its settings.
@@ -68,14 +68,14 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
         let cases = counted(suite.cases.len(), "case");
         if given_up == 0 {
             print_line!("{}: the expected goals of {cases} can be reached", suite.name);
-            return Ok(Status::Verified.exit_code());
+            return Ok(exit_code::DONE);
         }
         print_line!(
             "{}: no expected goal of {cases} is known to be out of reach; the search gave up for {}",
             suite.name,
             counted(given_up, "instruction")
         );
-        return Ok(Status::GaveUp.exit_code());
+        return Ok(exit_code::GAVE_UP);
     }
     let recorded = arguments.replies.as_deref().map(inputs::replies).transpose()?;
     let settings = arguments.strategy.settings();
@@ -158,7 +158,7 @@ fn paper_tables(arguments: &EvalArguments, name: &str, out: &Path) -> Result<u8>
         let results = perform(&mut task, 1, &|| Box::new(recorded.0.clone()))?;
         tell(&results, &task.out)?;
     }
-    Ok(Status::Verified.exit_code())
+    Ok(exit_code::DONE)
 }
 
 fn task(
@@ -293,7 +293,7 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
 fn print_json(results: &Results) -> Result<u8> {
     let summary = Summary::of(&results.attempts, &results.timings);
     output::json_line(&serde_json::json!({"run": results.plan, "summary": summary}))?;
-    Ok(Status::Verified.exit_code())
+    Ok(exit_code::DONE)
 }
 
 /// Writes the reports of a run into its folder, and prints the summary.
@@ -303,7 +303,7 @@ fn tell(results: &Results, folder: &Path) -> Result<u8> {
     inputs::write(&folder.join("report.md"), &report::markdown(results))?;
     output::document(&report::text(results));
     remark!("Report: {}", page.display());
-    Ok(Status::Verified.exit_code())
+    Ok(exit_code::DONE)
 }
 
 fn compare_runs(before: &Path, after: &Path, html: Option<&Path>) -> Result<u8> {
@@ -312,5 +312,5 @@ fn compare_runs(before: &Path, after: &Path, html: Option<&Path>) -> Result<u8> 
         inputs::write(page, &compare::html(&before, &after))?;
     }
     output::document(&compare::text(&before, &after));
-    Ok(Status::Verified.exit_code())
+    Ok(exit_code::DONE)
 }

@@ -1,4 +1,24 @@
-//! Exit codes that are not the status of an answer.
+//! Exit codes: those of answers, and those of everything else.
+
+use longstep::report::Status;
+
+/// The command did what it was asked for.
+pub(crate) const DONE: u8 = 0;
+/// It is proven that there is no plan.
+pub(crate) const UNSOLVABLE: u8 = 11;
+/// A search gave up.
+pub(crate) const GAVE_UP: u8 = 12;
+
+/// Returns the exit code for the status of an answer.
+pub(crate) fn of_status(status: Status) -> u8 {
+    match status {
+        Status::Verified => DONE,
+        Status::Invalid => NOT_VALID,
+        Status::Unsolvable => UNSOLVABLE,
+        Status::GaveUp => GAVE_UP,
+        Status::Question => 13,
+    }
+}
 
 /// A plan, domain or recording that was checked is not valid.
 pub(crate) const NOT_VALID: u8 = 10;

@@ -6,6 +6,7 @@ use longstep_core::plan::{Written, script};
 
 use crate::arguments::{ExportArguments, PlanFormat};
 use crate::draft::Draft;
+use crate::exit_code;
 use crate::output::{self, remark};
 
 /// Prints the plan to stdout if it is valid; otherwise its verdict to stderr, and nothing to stdout.
@@ -22,7 +23,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
         for violation in &answer.violations {
             remark!("  - {}", violation.message);
         }
-        return Ok(answer.status.exit_code());
+        return Ok(exit_code::of_status(answer.status));
     };
     match arguments.format {
         PlanFormat::Python => {
@@ -31,5 +32,5 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
         }
         PlanFormat::Json => output::json(&answer.plan.clone().of_domain(draft.world.domain()))?,
     }
-    Ok(answer.status.exit_code())
+    Ok(exit_code::of_status(answer.status))
 }

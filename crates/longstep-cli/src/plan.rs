@@ -9,6 +9,7 @@ use longstep_llm::advance;
 use crate::arguments::{PlanArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
+use crate::exit_code;
 use crate::failure::{Failure, LIMIT, MODEL};
 use crate::solve;
 use crate::{explain, inputs, lanes, output};
@@ -41,7 +42,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
             } = prepared;
             explain::show(&explanation, &request.messages, dropped, left_out);
         }
-        return Ok(Status::Verified.exit_code());
+        return Ok(exit_code::DONE);
     }
     let mut waiting = Waiting::new(model.name());
     advance(&mut session, model.as_mut(), None, &mut waiting)?;

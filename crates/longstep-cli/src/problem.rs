@@ -12,6 +12,7 @@ use longstep_files::read_text;
 
 use crate::arguments::SolveArguments;
 use crate::clock::{milliseconds, stopwatch};
+use crate::exit_code;
 use crate::output::print_line;
 use crate::{inputs, show};
 
@@ -39,7 +40,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
     } else {
         print(&answer);
     }
-    Ok(answer.status.exit_code())
+    Ok(exit_code::of_status(answer.status))
 }
 
 /// Reads a PDDL problem, and its domain: a file, or a folder with a `domain.pddl`.

@@ -20,7 +20,7 @@ use longstep_llm::load_domain;
 use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, reports};
 
 use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments, TrustArgument, domain_or_default};
-use crate::exit_code::{LIMIT, NOT_SEEN, NOT_VALID, ROBOT, STOPPED};
+use crate::exit_code::{GAVE_UP, LIMIT, NOT_SEEN, NOT_VALID, ROBOT, STOPPED, UNSOLVABLE};
 use crate::failure::Failure;
 use crate::output::remark;
 use crate::show;
@@ -255,8 +255,8 @@ fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
 
 fn code(stop: &Stop) -> u8 {
     match stop {
-        Stop::NoPlan { .. } => longstep::report::Status::Unsolvable.exit_code(),
-        Stop::GaveUp { .. } => longstep::report::Status::GaveUp.exit_code(),
+        Stop::NoPlan { .. } => UNSOLVABLE,
+        Stop::GaveUp { .. } => GAVE_UP,
         Stop::Broken { .. } => NOT_VALID,
         Stop::TooManyChanges(_) | Stop::Repeated => LIMIT,
         Stop::Unseen { .. } => NOT_SEEN,

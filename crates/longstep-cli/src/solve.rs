@@ -14,6 +14,7 @@ use longstep_llm::load_domain;
 
 use crate::arguments::{SolveArguments, domain_or_default, required};
 use crate::clock::{milliseconds, stopwatch};
+use crate::exit_code;
 use crate::failure::Failure;
 use crate::output::{self, Line, print_line, remark};
 use crate::{inputs, lanes, problem, show};
@@ -43,7 +44,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
             }
         })?;
         output::document(&written);
-        return Ok(Status::Verified.exit_code());
+        return Ok(exit_code::DONE);
     }
     if let Some(folder) = &arguments.pddl_task {
         let name = env.file_stem().unwrap_or_default().to_string_lossy();
@@ -53,7 +54,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
             &[("domain.pddl", &task.domain), ("problem.pddl", &task.problem)],
         )?;
         remark!("Wrote domain.pddl and problem.pddl to {}", folder.display());
-        return Ok(Status::Verified.exit_code());
+        return Ok(exit_code::DONE);
     }
     let report::Solution { plan, mut answer } = report::of_goal(
         &world,
@@ -111,5 +112,5 @@ pub(crate) fn finish(
             remark!("Saved to {}", path.display());
         }
     }
-    Ok(answer.status.exit_code())
+    Ok(exit_code::of_status(answer.status))
 }

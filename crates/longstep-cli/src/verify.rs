@@ -8,6 +8,7 @@ use longstep::report::Status;
 use crate::arguments::VerifyArguments;
 use crate::clock::milliseconds;
 use crate::draft::Draft;
+use crate::exit_code;
 use crate::output;
 use crate::show;
 
@@ -32,5 +33,5 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
             show::hint(&advice);
         }
     }
-    Ok(answer.status.exit_code())
+    Ok(exit_code::of_status(answer.status))
 }

@@ -85,7 +85,7 @@ pub fn read_foreign(file: &str, text: &str, problem: Option<&str>) -> Result<For
     let mut findings = Vec::new();
     let semantics = pddl::read_expressions(file, &own.expressions, Dialect::Standard, &mut findings);
     let counts = [
-        semantics.types.len(),
+        semantics.types.count(),
         semantics.constants.len(),
         semantics.predicates.len(),
         semantics.actions.len(),

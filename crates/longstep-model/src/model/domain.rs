@@ -75,7 +75,7 @@ impl Types {
     }
 
     /// Returns the number of types.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.names.len()
     }
 

@@ -81,7 +81,7 @@ impl World {
         };
         Self {
             domain: domain.clone(),
-            by_kind: (0..domain.types.len()).map(of_kind).collect(),
+            by_kind: (0..domain.types.count()).map(of_kind).collect(),
             entities: entities.into(),
             by_identifier: Arc::new(by_identifier),
             state: State::default(),

@@ -37,7 +37,7 @@ impl Scope {
     /// Returns the scope with all entities, and the actions that may be relevant to the required conditions and facts.
     pub(crate) fn whole(world: &World, requirements: &Requirements) -> Self {
         let domain = world.domain();
-        let kinds = 0..domain.types.len();
+        let kinds = 0..domain.types.count();
         Self {
             actions: requirements.actions(domain),
             by_kind: kinds.map(|kind| world.of_kind(TypeId::new(kind)).to_vec()).collect(),

@@ -42,17 +42,6 @@ impl Status {
             Self::Question => "there is a question",
         }
     }
-
-    /// Returns the exit code of the program.
-    pub fn exit_code(self) -> u8 {
-        match self {
-            Self::Verified => 0,
-            Self::Invalid => 10,
-            Self::Unsolvable => 11,
-            Self::GaveUp => 12,
-            Self::Question => 13,
-        }
-    }
 }
 
 /// The answer to a request. Fields are serialized in this order.

@@ -47,7 +47,8 @@ impl<'a> Assessment<'a> {
     /// Resolves a draft. `instruction` replaces the plan's own summary, if given.
     ///
     /// ```
-    /// use longstep::{domain, report::Assessment};
+    /// use longstep::domain;
+    /// use longstep::report::{Assessment, Status};
     /// use longstep_core::{plan, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let text = r#"{"objects": ["<pen>"], "assets": ["<desk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
@@ -55,7 +56,7 @@ impl<'a> Assessment<'a> {
     /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#);
     /// let assessment = Assessment::new(&world, draft.unwrap(), None);
     /// let answer = assessment.verdict();
-    /// assert_eq!(answer.status.exit_code(), 10);
+    /// assert_eq!(answer.status, Status::Invalid);
     /// assert_eq!(answer.violations[0].message, "step 1: grasp_object() needs that the hand is at the pen");
     /// ```
     pub fn new(world: &'a World, draft: plan::Draft, instruction: Option<&str>) -> Self {

@@ -128,7 +128,7 @@ impl Reader<'_> {
         if kinds.len() < members.len() {
             return None;
         }
-        let all = || (0..types.len()).map(TypeId::new);
+        let all = || (0..types.count()).map(TypeId::new);
         let is_common = |parent: &TypeId| kinds.iter().all(|kind| types.is_a(*kind, *parent));
         let is_lowest = |parent: &TypeId| all().filter(is_common).all(|other| types.is_a(*parent, other));
         let parent = all().filter(is_common).find(is_lowest).unwrap_or(TypeId::OBJECT);
