@@ -41,9 +41,10 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
         CompositionAnswer::Composition(written) => match compose::inline(&world, &written, &stored) {
             Ok(inlined) => {
                 let composed = Composed::new(&world, inlined, &summary);
-                match arguments.no_repair {
-                    true => composed.verdict(),
-                    false => composed.mended(),
+                if arguments.no_repair {
+                    composed.verdict()
+                } else {
+                    composed.mended()
                 }
             }
             Err(misfits) => compose::refused(&world, &summary, &misfits),
@@ -130,9 +131,10 @@ fn summary(composition: &Composition, stored: &[Stored]) -> String {
 fn stored(paths: &[PathBuf]) -> Result<Vec<Stored>> {
     let mut files = Vec::new();
     for path in paths {
-        match path.is_dir() {
-            true => files.extend(plan_files(path)?),
-            false => files.push(path.clone()),
+        if path.is_dir() {
+            files.extend(plan_files(path)?)
+        } else {
+            files.push(path.clone())
         }
     }
     // A file that is named twice, or together with its folder, counts once.

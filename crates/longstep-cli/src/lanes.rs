@@ -60,12 +60,11 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<L
     let mut heads = composed!("{:MARGIN$}", "");
     for (place, lane) in lanes.iter().enumerate() {
         let name = visible::line(&world.entity(lane.actor).name);
-        match place + 1 == lanes.len() {
-            true => heads.push(format_args!("{}", name.bold())),
-            false => {
-                let padding = column.saturating_sub(name.chars().count()) + 2;
-                heads.push(format_args!("{}{:padding$}", name.bold(), ""));
-            }
+        if place + 1 == lanes.len() {
+            heads.push(format_args!("{}", name.bold()))
+        } else {
+            let padding = column.saturating_sub(name.chars().count()) + 2;
+            heads.push(format_args!("{}{:padding$}", name.bold(), ""));
         }
     }
     let mut lines = vec![heads];
@@ -80,12 +79,15 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<L
                 lines.extend(line(*unit, &cells.collect::<Vec<_>>(), column));
             }
             Row::Sync { name, lanes: met } => {
-                let cells = (0..lanes.len()).map(|lane| match met.contains(&lane) {
-                    true => format!(
-                        "--- {name} {}",
-                        "-".repeat(column.saturating_sub(name.chars().count() + 5))
-                    ),
-                    false => " ".repeat(column),
+                let cells = (0..lanes.len()).map(|lane| {
+                    if met.contains(&lane) {
+                        format!(
+                            "--- {name} {}",
+                            "-".repeat(column.saturating_sub(name.chars().count() + 5))
+                        )
+                    } else {
+                        " ".repeat(column)
+                    }
                 });
                 let cells: Vec<String> = cells.collect();
                 lines.push(composed!("{:MARGIN$}{}", "", cells.join("  ").trim_end().dimmed()));

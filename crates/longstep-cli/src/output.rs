@@ -114,12 +114,11 @@ pub(crate) fn end_progress(bar: &ProgressBar) {
 pub(crate) fn board(bar: &ProgressBar, lines: &[Line]) {
     let lines: Vec<String> = lines.iter().map(Line::shown).collect();
     let text = lines.join("\n");
-    bar.set_message(
-        match std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()) {
-            true => anstream::adapter::strip_str(&text).to_string(),
-            false => text,
-        },
-    );
+    bar.set_message(if std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()) {
+        anstream::adapter::strip_str(&text).to_string()
+    } else {
+        text
+    });
 }
 
 /// The form of what a command prints.

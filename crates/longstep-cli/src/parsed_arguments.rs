@@ -61,9 +61,10 @@ fn print(mut error: clap::Error) -> u8 {
         print_object(&error, code);
     }
     let shown = visible_but_styles(&error.render().ansi().to_string());
-    match error.use_stderr() {
-        true => output::to_stderr(&shown),
-        false => output::to_stdout(&shown),
+    if error.use_stderr() {
+        output::to_stderr(&shown)
+    } else {
+        output::to_stdout(&shown)
     }
     code
 }

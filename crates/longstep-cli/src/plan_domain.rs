@@ -51,9 +51,10 @@ pub(crate) fn wrong_domain(shown: &str, planned: Option<&PlanDomain>, domain: &D
         return Failure::unreadable(message).hint("name the domain of the plan with `--domain DOMAIN`");
     };
     let name = &planned.name;
-    let hint = match shipped_names().contains(&name.as_str()) {
-        true => format!("add `--domain {name}`"),
-        false => format!("name the folder of the domain `{name}` with `--domain FOLDER`"),
+    let hint = if shipped_names().contains(&name.as_str()) {
+        format!("add `--domain {name}`")
+    } else {
+        format!("name the folder of the domain `{name}` with `--domain FOLDER`")
     };
     Failure::unreadable(format!(
         "{shown} is a plan for the domain `{name}`, and not for `{here}`"

@@ -123,14 +123,16 @@ fn message(progress: &Progress, known: usize, waited: Duration) -> String {
             let is_first = known < total / 2;
             let read = done.saturating_sub(known);
             let rest = total.saturating_sub(*done);
-            let left = match waited >= NOTABLE && read > 0 {
-                true => Duration::try_from_secs_f64(waited.as_secs_f64() * rest as f64 / read as f64).ok(),
-                false => None,
+            let left = if waited >= NOTABLE && read > 0 {
+                Duration::try_from_secs_f64(waited.as_secs_f64() * rest as f64 / read as f64).ok()
+            } else {
+                None
             };
             let left = left.map_or(String::new(), |left| format!(", {} s left", left.as_secs().max(1)));
-            match is_first {
-                true => format!("Reading for the first time: {percent} %{left}"),
-                false => format!("Reading the prompt: {percent} %{left}"),
+            if is_first {
+                format!("Reading for the first time: {percent} %{left}")
+            } else {
+                format!("Reading the prompt: {percent} %{left}")
             }
         }
         Progress::Writing { .. } => "Generating".to_owned(),

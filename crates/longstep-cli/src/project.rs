@@ -41,10 +41,7 @@ impl Project {
             .into_iter()
             .find(|folder| folder.join(FILE).is_file());
         let Some(folder) = found else { return Ok(None) };
-        let folder = match folder == working {
-            true => Path::new(""),
-            false => folder,
-        };
+        let folder = if folder == working { Path::new("") } else { folder };
         let file = folder.join(FILE);
         let is_folder = |name: &str| Path::new(name).is_dir();
         Ok(Some(Self::parse(&file, &read_text(&file)?, &is_folder)?))
@@ -87,9 +84,10 @@ impl Project {
                 ),
             }
         }
-        match findings.is_empty() {
-            true => Ok(project),
-            false => Err(Diagnostics::sorted(findings)),
+        if findings.is_empty() {
+            Ok(project)
+        } else {
+            Err(Diagnostics::sorted(findings))
         }
     }
 
@@ -133,9 +131,10 @@ fn folders<'a>(working: &'a Path, home: Option<&Path>) -> Vec<&'a Path> {
 
 /// A shipped domain keeps its name; any other one is a folder beside the file.
 fn domain_in(folder: &Path, text: &str) -> String {
-    match domain::shipped_names().contains(&text) {
-        true => text.to_owned(),
-        false => folder.join(text).display().to_string(),
+    if domain::shipped_names().contains(&text) {
+        text.to_owned()
+    } else {
+        folder.join(text).display().to_string()
     }
 }
 

@@ -49,9 +49,10 @@ fn check(arguments: &RobotCheckArguments) -> Result<u8> {
         return Ok(NOT_VALID);
     }
     print_line!("{name}: fits the domain `{}`", domain.name);
-    match arguments.offline {
-        true => Ok(0),
-        false => Ok(connection(configuration, arguments, &domain, world.as_ref())),
+    if arguments.offline {
+        Ok(0)
+    } else {
+        Ok(connection(configuration, arguments, &domain, world.as_ref()))
     }
 }
 

@@ -133,9 +133,10 @@ fn entry(events: &[Event]) -> Entry {
             _ => {}
         }
     }
-    match open.is_empty() {
-        true => Entry::New,
-        false => Entry::Interrupted,
+    if open.is_empty() {
+        Entry::New
+    } else {
+        Entry::Interrupted
     }
 }
 
@@ -143,13 +144,14 @@ fn entry(events: &[Event]) -> Entry {
 fn check_resumed(execution: &Execution, robot: &dyn Robot) -> Result<()> {
     observing(robot)?;
     let reported = reports(robot, execution.world()).map_err(|error| Failure::unreadable(error.to_string()))?;
-    match reported == execution.settings().reports {
-        true => Ok(()),
-        false => Err(
+    if reported == execution.settings().reports {
+        Ok(())
+    } else {
+        Err(
             Failure::unreadable("this robot reports other facts than the robot with which the run began")
                 .hint("resume with the same robot")
                 .into(),
-        ),
+        )
     }
 }
 
@@ -277,9 +279,10 @@ fn runs_folder() -> Result<PathBuf> {
 /// The beginning of a run's name: the file of its plan, or the environment of its instruction.
 fn name_for(arguments: &RunArguments, what: &str) -> String {
     let env = || arguments.env.as_deref().or(arguments.project_env.as_deref());
-    let file = match Path::new(what).is_file() {
-        true => Some(Path::new(what)),
-        false => env(),
+    let file = if Path::new(what).is_file() {
+        Some(Path::new(what))
+    } else {
+        env()
     };
     let stem = file
         .and_then(Path::file_stem)

@@ -36,9 +36,10 @@ pub(crate) fn run(arguments: &SeeArguments) -> Result<u8> {
     }
     let domain = load_domain(domain_or_default(arguments.domain.as_ref()))?;
     let seen = seen(arguments, &domain, &source)?;
-    let saved = match seen.agreed {
-        true => save(arguments.output.as_deref(), &seen.report.environment)?,
-        false => None,
+    let saved = if seen.agreed {
+        save(arguments.output.as_deref(), &seen.report.environment)?
+    } else {
+        None
     };
     let report = Report {
         saved: saved.clone(),
@@ -147,9 +148,10 @@ fn seen_by_model(arguments: &SeeArguments, domain: &Domain, source: &Source) -> 
     let Source::Described { words, pictures } = source else {
         return Err(Failure::unreadable("there is nothing to describe").into());
     };
-    let mut model = match pictures.is_empty() {
-        true => ask::model(arguments.model.name(), &arguments.model)?,
-        false => ask::seeing_model(&arguments.model, arguments.vision.as_deref())?,
+    let mut model = if pictures.is_empty() {
+        ask::model(arguments.model.name(), &arguments.model)?
+    } else {
+        ask::seeing_model(&arguments.model, arguments.vision.as_deref())?
     };
     let input = SightInput {
         domain,
@@ -176,9 +178,10 @@ fn seen_by_model(arguments: &SeeArguments, domain: &Domain, source: &Source) -> 
         if arguments.yes || arguments.json {
             break;
         }
-        let question = match report.contradictions.is_empty() {
-            true => "Is this right? yes, no, or say what is different",
-            false => "Say what is different, or no",
+        let question = if report.contradictions.is_empty() {
+            "Is this right? yes, no, or say what is different"
+        } else {
+            "Say what is different, or no"
         };
         let answer = ask_person(question, "")?;
         let Some(answer) = answer.filter(|answer| !answer.is_empty() && !is_no(answer)) else {

@@ -57,13 +57,15 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
                 continue;
             }
             output::blank();
-            heading(&match ending.when.is_empty() {
-                true => "Changes in every other case".to_owned(),
-                false => format!("Changes when {}", ending.when.join(" and ")),
+            heading(&if ending.when.is_empty() {
+                "Changes in every other case".to_owned()
+            } else {
+                format!("Changes when {}", ending.when.join(" and "))
             });
-            match ending.environment_after == *before {
-                true => print_line!("  {}", "none".dimmed()),
-                false => changes(before, &ending.environment_after),
+            if ending.environment_after == *before {
+                print_line!("  {}", "none".dimmed())
+            } else {
+                changes(before, &ending.environment_after)
             }
         }
     }
@@ -117,10 +119,7 @@ pub(crate) fn changes(before: &Environment, after: &Environment) {
         .max();
     let width = width.unwrap_or(0);
     for (identifier, was, is) in changed {
-        let or_nothing = |text: String| match text.is_empty() {
-            true => "(no state)".to_owned(),
-            false => text,
-        };
+        let or_nothing = |text: String| if text.is_empty() { "(no state)".to_owned() } else { text };
         let identifier = visible::line(&identifier);
         print_line!(
             "  {identifier:width$}  {} {} {}",

@@ -62,17 +62,14 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
         );
     }
     let mut notes = Vec::new();
-    let (lesson, repetition) = match arguments.demo.is_empty() {
-        true => {
-            let recorder = StepRecorder::of(arguments, requests.len())?;
-            Questions::new(&requests, &expectations, recorder).lesson()?
-        }
-        false => {
-            let recordings = recordings(arguments)?;
-            notes.extend(recordings.iter().flat_map(notes_of));
-            let segments = segments(arguments, &requests, &recordings)?;
-            (learn(&requests, &segments, &expectations), None)
-        }
+    let (lesson, repetition) = if arguments.demo.is_empty() {
+        let recorder = StepRecorder::of(arguments, requests.len())?;
+        Questions::new(&requests, &expectations, recorder).lesson()?
+    } else {
+        let recordings = recordings(arguments)?;
+        notes.extend(recordings.iter().flat_map(notes_of));
+        let segments = segments(arguments, &requests, &recordings)?;
+        (learn(&requests, &segments, &expectations), None)
     };
     let file = skills_file(&requests, &lesson);
     // The program that reads the file is the one that wrote it: what it refuses is a defect of this command.
@@ -102,21 +99,19 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
             show::hint(&repetition);
         }
     }
-    Ok(match lesson.is_complete() {
-        true => 0,
-        false => NOT_VALID,
-    })
+    Ok(if lesson.is_complete() { 0 } else { NOT_VALID })
 }
 
 fn conclude(arguments: &TeachArguments, lesson: &Lesson) {
     let (plan, file, domain) = (arguments.plan.display(), arguments.output.display(), arguments.domain());
     let values: usize = lesson.steps.iter().map(|step| step.values.len()).sum();
     print_line!("{file} has {values} value(s) of {} step(s)", lesson.steps.len());
-    match lesson.is_complete() {
-        true => show::hint(&format!(
+    if lesson.is_complete() {
+        show::hint(&format!(
             "`longstep run {plan} --domain {domain} --skills {file} --robot ROBOT` uses them"
-        )),
-        false => show::hint("values are missing: `longstep run` refuses the plan until every step is taught"),
+        ))
+    } else {
+        show::hint("values are missing: `longstep run` refuses the plan until every step is taught")
     }
 }
 
@@ -262,9 +257,10 @@ fn expectations(arguments: &TeachArguments) -> Result<Expectations> {
 }
 
 fn tell(finding: &Finding) {
-    match finding.is_doubt() {
-        true => remark!("{} {finding}", "doubtful:".yellow().bold()),
-        false => remark!("{} {finding}", "missing:".red().bold()),
+    if finding.is_doubt() {
+        remark!("{} {finding}", "doubtful:".yellow().bold())
+    } else {
+        remark!("{} {finding}", "missing:".red().bold())
     }
 }
 

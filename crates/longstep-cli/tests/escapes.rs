@@ -134,8 +134,8 @@ impl Files {
         let escaped = "\\u001b]0;PWN\\u0007\\u202ex\\nVerified: 99 steps ";
         let copy = |from: PathBuf, name: &str| {
             let text = std::fs::read_to_string(from).unwrap();
-            let text = match name.ends_with("domain.toml") {
-                true => [
+            let text = if name.ends_with("domain.toml") {
+                [
                     "means = \"",
                     "about = \"",
                     "explanation = \"",
@@ -143,8 +143,9 @@ impl Files {
                     "short = \"",
                 ]
                 .iter()
-                .fold(text, |text, key| text.replace(key, &format!("{key}{escaped}"))),
-                false => text,
+                .fold(text, |text, key| text.replace(key, &format!("{key}{escaped}")))
+            } else {
+                text
             };
             self.write(&format!("domain/{name}"), &text);
             self.write(&format!("wrong/{name}"), &text.replace("asset", HOSTILE));

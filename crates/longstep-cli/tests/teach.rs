@@ -38,9 +38,12 @@ impl Bench {
 
     /// Runs the program with names of files in the folder made whole.
     fn longstep(&self, words: &[&str], input: &str) -> Output {
-        let whole = |word: &&str| match word.contains('.') && !word.contains([':', ' ']) {
-            true => self.path(word).display().to_string(),
-            false => (*word).to_owned(),
+        let whole = |word: &&str| {
+            if word.contains('.') && !word.contains([':', ' ']) {
+                self.path(word).display().to_string()
+            } else {
+                (*word).to_owned()
+            }
         };
         let mut child = longstep(self.0.path())
             .args(words.iter().map(whole))

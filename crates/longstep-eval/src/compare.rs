@@ -91,9 +91,10 @@ impl Comparison {
         let first = Summary::of(pairs.iter().map(|(first, _)| *first), &a.timings);
         let second = Summary::of(pairs.iter().map(|(_, second)| *second), &b.timings);
         Self {
-            title: match a.plan.model == b.plan.model {
-                true => format!("{}, twice", a.plan.model),
-                false => format!("{} and {}", a.plan.model, b.plan.model),
+            title: if a.plan.model == b.plan.model {
+                format!("{}, twice", a.plan.model)
+            } else {
+                format!("{} and {}", a.plan.model, b.plan.model)
             },
             names: names(a, b),
             notes: notes(a, b, &pairs),
@@ -111,9 +112,10 @@ impl Comparison {
 /// The names of the models, or "first run" and "second run" if these are equal.
 fn names(a: &Results, b: &Results) -> (String, String) {
     let (first, second) = (&a.plan.model, &b.plan.model);
-    match first == second {
-        true => ("first run".to_owned(), "second run".to_owned()),
-        false => (first.clone(), second.clone()),
+    if first == second {
+        ("first run".to_owned(), "second run".to_owned())
+    } else {
+        (first.clone(), second.clone())
     }
 }
 

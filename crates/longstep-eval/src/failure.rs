@@ -163,9 +163,10 @@ fn difference(domain: &Domain, understood: &[GoalFact], expected: &[GoalFact]) -
         match near {
             Some(place) => {
                 let fact = extra.remove(place);
-                found.push(match word(fact) == word(missing) {
-                    true => Failure::WrongObject,
-                    false => Failure::WrongGoalWord,
+                found.push(if word(fact) == word(missing) {
+                    Failure::WrongObject
+                } else {
+                    Failure::WrongGoalWord
                 });
             }
             None => found.push(Failure::MissingGoal),

@@ -30,12 +30,11 @@ pub fn read_bounded(path: &Path, limit: u64) -> std::io::Result<Vec<u8>> {
 pub fn read_to_limit(file: &mut File, limit: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes)?;
-    match bytes.len() as u64 > limit {
-        true => {
-            let message = format!("it is larger than {} MiB", limit >> 20);
-            Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, message))
-        }
-        false => Ok(bytes),
+    if bytes.len() as u64 > limit {
+        let message = format!("it is larger than {} MiB", limit >> 20);
+        Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, message))
+    } else {
+        Ok(bytes)
     }
 }
 

@@ -93,9 +93,10 @@ pub fn domain_files(name: &str) -> Result<Files, DomainError> {
 /// The path and the text of `skills.toml`, which a domain need not have.
 fn skills_file(folder: &Path) -> Result<Option<(String, String)>, TextFileError> {
     let path = folder.join("skills.toml");
-    match path.exists() {
-        true => Ok(Some((path.display().to_string(), read_text(&path)?))),
-        false => Ok(None),
+    if path.exists() {
+        Ok(Some((path.display().to_string(), read_text(&path)?)))
+    } else {
+        Ok(None)
     }
 }
 

@@ -50,9 +50,10 @@ pub fn tighten_folder(folder: &Path, ours: impl Fn(&str) -> bool) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     let mut all_ours = true;
     for entry in entries.flatten() {
-        match entry.file_name().to_str().is_some_and(&ours) {
-            true => owner_only(&entry.path()),
-            false => all_ours = false,
+        if entry.file_name().to_str().is_some_and(&ours) {
+            owner_only(&entry.path())
+        } else {
+            all_ours = false
         }
     }
     if all_ours {

@@ -84,9 +84,12 @@ pub fn plain_reason(error: &Error) -> String {
 /// When it cannot be read, is a folder, is larger, or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, TextFileError> {
     // Some systems open a folder like a file.
-    let read = std::fs::metadata(path).and_then(|metadata| match metadata.is_dir() {
-        true => Err(ErrorKind::IsADirectory.into()),
-        false => read_text_bounded(path, TEXT_LIMIT),
+    let read = std::fs::metadata(path).and_then(|metadata| {
+        if metadata.is_dir() {
+            Err(ErrorKind::IsADirectory.into())
+        } else {
+            read_text_bounded(path, TEXT_LIMIT)
+        }
     });
     read.map_err(|error| TextFileError::new(path, error))
 }

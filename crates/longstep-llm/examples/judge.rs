@@ -71,12 +71,13 @@ fn load<'a>(domains: &'a mut HashMap<String, Domain>, name: &str) -> Anyhow<&'a 
 }
 
 fn verify(world: &World, text: &str) -> Anyhow<Value> {
-    let draft = match text.trim_start().starts_with('{') {
-        true => plan::read(text)?,
-        false => plan::Draft {
+    let draft = if text.trim_start().starts_with('{') {
+        plan::read(text)?
+    } else {
+        plan::Draft {
             file: PlanFile::from(TaskCohesion::from_written(plan::script::read(text)?)),
             leniencies: Vec::new(),
-        },
+        }
     };
     let assessment = Assessment::new(world, draft, None);
     let mut answer = serde_json::to_value(assessment.verdict())?;

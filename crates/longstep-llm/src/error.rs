@@ -329,13 +329,14 @@ impl ModelError {
     /// An error for pictures that an embedded model cannot see.
     #[must_use]
     pub fn no_vision(model: &str) -> Self {
-        match cfg!(feature = "vision") {
-            true => Self::NoProjector {
+        if cfg!(feature = "vision") {
+            Self::NoProjector {
                 model: model.to_owned(),
-            },
-            false => Self::NoVisionEngine {
+            }
+        } else {
+            Self::NoVisionEngine {
                 place: model.to_owned(),
-            },
+            }
         }
     }
 

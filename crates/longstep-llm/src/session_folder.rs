@@ -214,10 +214,10 @@ impl SessionFolder {
 
     fn append(&mut self, bytes: &[u8], through: bool) -> Result<(), FolderError> {
         let path = self.folder.join(LOG);
-        let written = self.log.write_all(bytes).and_then(|()| match through {
-            true => self.log.sync_data(),
-            false => Ok(()),
-        });
+        let written = self
+            .log
+            .write_all(bytes)
+            .and_then(|()| if through { self.log.sync_data() } else { Ok(()) });
         if let Err(error) = written {
             // A partial line would corrupt the next one.
             let _ = self.log.set_len(self.length);

@@ -71,9 +71,10 @@ pub fn line(text: &str) -> Cow<'_, str> {
             true if matches!(character, '\u{fe0e}' | '\u{fe0f}') => Before::Selected,
             _ => Before::Plain,
         };
-        match kept {
-            true => shown.push(character),
-            false => escape(character, &mut shown),
+        if kept {
+            shown.push(character)
+        } else {
+            escape(character, &mut shown)
         }
     }
     Cow::Owned(shown)
@@ -113,13 +114,12 @@ pub fn json(text: &str) -> Cow<'_, str> {
     }
     let mut shown = String::with_capacity(text.len() + 16);
     for character in text.chars() {
-        match hidden(character) {
-            true => {
-                for unit in character.encode_utf16(&mut [0; 2]) {
-                    let _ = write!(shown, "\\u{unit:04x}");
-                }
+        if hidden(character) {
+            for unit in character.encode_utf16(&mut [0; 2]) {
+                let _ = write!(shown, "\\u{unit:04x}");
             }
-            false => shown.push(character),
+        } else {
+            shown.push(character)
         }
     }
     Cow::Owned(shown)

@@ -51,9 +51,10 @@ fn file_name(driven: &str) -> String {
 pub(crate) fn computer(host: &str) -> String {
     let host = host.trim_matches(['[', ']']).trim_end_matches('.').to_ascii_lowercase();
     let address: Option<IpAddr> = host.parse().ok();
-    match address.is_some_and(|own| own.is_loopback() || own.is_unspecified()) {
-        true => "localhost".to_owned(),
-        false => host,
+    if address.is_some_and(|own| own.is_loopback() || own.is_unspecified()) {
+        "localhost".to_owned()
+    } else {
+        host
     }
 }
 

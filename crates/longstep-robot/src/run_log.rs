@@ -163,11 +163,12 @@ impl RunLog {
         let mut text = String::new();
         let read = (&self.file).take(LARGEST + 1).read_to_string(&mut text);
         read.map_err(|error| failed(&self.path, error))?;
-        match text.len() as u64 > LARGEST {
-            true => Err(RunLogError::TooLarge {
+        if text.len() as u64 > LARGEST {
+            Err(RunLogError::TooLarge {
                 path: self.path.clone(),
-            }),
-            false => Ok(text),
+            })
+        } else {
+            Ok(text)
         }
     }
 

@@ -154,12 +154,13 @@ fn no_process_outlives_its_recording() {
             recorder.wait(Duration::from_millis(20));
         }
         let processes = String::from_utf8(recorder.recording().to_vec()).unwrap();
-        match finishes {
-            true => assert_eq!(
+        if finishes {
+            assert_eq!(
                 recorder.finish().err(),
                 (!is_ended).then_some(RecorderError::NotEnded { limit: MOMENT })
-            ),
-            false => drop(recorder),
+            )
+        } else {
+            drop(recorder)
         }
         for process in processes.lines() {
             assert!(is_gone(process), "{script}: {process}");

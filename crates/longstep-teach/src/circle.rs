@@ -71,10 +71,11 @@ pub fn fit_arc(points: &[Vector3<f64>], prior: Option<Vector3<f64>>) -> Option<A
         (Some(prior), Some(free)) => {
             let between = free.axis.dot(&prior).abs().min(1.0).acos();
             let spread = (free.variance(3) + free.variance(4) + PRIOR_SPREAD * PRIOR_SPREAD).sqrt();
-            match between > 3.0 * spread {
-                true => (free, Some(between)),
+            if between > 3.0 * spread {
+                (free, Some(between))
+            } else {
                 // A free fit of a short arc can be far off; then the prior is the better start.
-                false => (fit(points, Some(prior)).unwrap_or(free), None),
+                (fit(points, Some(prior)).unwrap_or(free), None)
             }
         }
     };

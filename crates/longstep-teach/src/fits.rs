@@ -292,14 +292,18 @@ impl<'a> Fits<'a> {
 
     /// The direction of a part of the arm at the first or the last frame.
     fn arm(&self, upper: bool, first: bool) -> Option<Fitted> {
-        let part = |frame: &&Frame| match upper {
-            true => Some(frame.elbow? - frame.shoulder?),
-            false => Some(frame.position - frame.elbow?),
+        let part = |frame: &&Frame| {
+            if upper {
+                Some(frame.elbow? - frame.shoulder?)
+            } else {
+                Some(frame.position - frame.elbow?)
+            }
         };
         let frames = &self.shown.frames;
-        let vector = match first {
-            true => frames.first().and_then(part),
-            false => frames.last().and_then(part),
+        let vector = if first {
+            frames.first().and_then(part)
+        } else {
+            frames.last().and_then(part)
         };
         posture(vector?).map(|(name, _)| Fitted::text(&name))
     }
@@ -318,12 +322,13 @@ fn straight(points: &[Vector3<f64>], noise: f64) -> Result<Line, Problem> {
     if line.length < MOTION {
         return Err(short);
     }
-    match line.deviation > SHAPE + 2.0 * noise {
-        true => Err(Problem::Shape {
+    if line.deviation > SHAPE + 2.0 * noise {
+        Err(Problem::Shape {
             shape: "a straight line",
             deviation: Some(line.deviation),
-        }),
-        false => Ok(line),
+        })
+    } else {
+        Ok(line)
     }
 }
 

@@ -143,12 +143,13 @@ impl Skills {
                 "a skills file is an object with an entry for each action".to_owned(),
             ),
         }
-        match reader.findings.is_empty() {
-            true => Ok(Self {
+        if reader.findings.is_empty() {
+            Ok(Self {
                 entries: reader.entries,
                 source,
-            }),
-            false => Err(Diagnostics::sorted(reader.findings)),
+            })
+        } else {
+            Err(Diagnostics::sorted(reader.findings))
         }
     }
 
@@ -228,9 +229,10 @@ impl Skills {
         arguments: &[EntityId],
     ) -> impl Iterator<Item = &'a SkillParameter> + use<'a> {
         let skills = &world.domain().action(action).skills;
-        let values = match skills.is_empty() {
-            true => Map::new(),
-            false => self.values(world, step, action, arguments),
+        let values = if skills.is_empty() {
+            Map::new()
+        } else {
+            self.values(world, step, action, arguments)
         };
         skills
             .iter()

@@ -100,9 +100,10 @@ fn branches(world: &World, apart: bool) -> Plan {
         body.push(Node::Step(add("move-hand", vec![first])));
     }
     for number in 1..=1_000 {
-        let table = match apart {
-            true => world.find(&format!("<table_{number}>")).unwrap(),
-            false => first,
+        let table = if apart {
+            world.find(&format!("<table_{number}>")).unwrap()
+        } else {
+            first
         };
         if apart {
             body.push(Node::Step(add("move-hand", vec![table])));

@@ -40,16 +40,18 @@ impl Answers {
             pddl,
         };
         let given = self.kind.iter().all(|kind| !kind.examples.is_empty()) && !self.start.is_empty();
-        let problem = match given {
-            true => MadeUp {
+        let problem = if given {
+            MadeUp {
                 text: reader.problem(),
                 is_partial: false,
-            },
-            false => problem::write(&longstep_core::domain::from_pddl("the answers", &blueprint.pddl)?),
+            }
+        } else {
+            problem::write(&longstep_core::domain::from_pddl("the answers", &blueprint.pddl)?)
         };
-        match reader.findings.is_empty() {
-            true => Ok((blueprint, problem)),
-            false => Err(Diagnostics(reader.findings)),
+        if reader.findings.is_empty() {
+            Ok((blueprint, problem))
+        } else {
+            Err(Diagnostics(reader.findings))
         }
     }
 }

@@ -249,12 +249,13 @@ pub fn misspelt_kind(answers: &Answers, text: &str) -> Option<Misspelt> {
 impl Misspelt {
     /// Returns a sentence with the kind in place of the word.
     pub fn mended(&self, text: &str) -> String {
-        let words = text
-            .split_whitespace()
-            .map(|word| match plain(word).first() == Some(&self.word) {
-                true => self.kind.as_str(),
-                false => word,
-            });
+        let words = text.split_whitespace().map(|word| {
+            if plain(word).first() == Some(&self.word) {
+                self.kind.as_str()
+            } else {
+                word
+            }
+        });
         words.collect::<Vec<_>>().join(" ")
     }
 }

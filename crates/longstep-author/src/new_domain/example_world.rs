@@ -67,9 +67,10 @@ pub(super) fn environment(domain: &Domain, world: &World, (assets, objects): (Ty
     let identifier = |name: &str| format!("<{name}>");
     for (_, entity) in world.entities().skip(domain.constants.len()) {
         let is_object = types.is_a(entity.kind, objects);
-        let (list, of) = match is_object {
-            true => (&mut environment.objects, objects),
-            false => (&mut environment.assets, assets),
+        let (list, of) = if is_object {
+            (&mut environment.objects, objects)
+        } else {
+            (&mut environment.assets, assets)
         };
         list.push(identifier(&entity.identifier));
         if entity.kind != of {

@@ -167,11 +167,13 @@ fn complete(
     let words = Words::of(bare, blueprint);
     // The author's file that the environment is made from.
     let source = if invented { pddl_file } else { problem.file };
-    let problem =
-        longstep_core::pddl::read_start(bare, problem.file, problem.text).map_err(|findings| match invented {
-            true => of_author(findings, pddl_file),
-            false => findings,
-        })?;
+    let problem = longstep_core::pddl::read_start(bare, problem.file, problem.text).map_err(|findings| {
+        if invented {
+            of_author(findings, pddl_file)
+        } else {
+            findings
+        }
+    })?;
     let lists = example_world::lists(bare, blueprint, &problem.world);
     let mut files = vec![
         ("domain.pddl".to_owned(), blueprint.pddl.clone()),

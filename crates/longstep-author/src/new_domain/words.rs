@@ -352,9 +352,10 @@ fn write_all(
         let holes: Vec<String> = parameters.iter().map(|p| format!("{{{}}}", p.name)).collect();
         let variables: String = parameters.iter().map(|p| format!(" ?{}", p.name)).collect();
         let fact = format!("({}{variables})", goal.predicate.name);
-        let (word, fact, says) = match goal.holds {
-            true => (word.clone(), fact, &sentence.says),
-            false => (format!("not_{word}"), format!("(not {fact})"), &sentence.denies),
+        let (word, fact, says) = if goal.holds {
+            (word.clone(), fact, &sentence.says)
+        } else {
+            (format!("not_{word}"), format!("(not {fact})"), &sentence.denies)
         };
         let by: Vec<&str> = goal.by.iter().map(|index| words.actions[*index].0.as_str()).collect();
         let means = filled(says, parameters, |_, name| format!("the {name}"));
@@ -406,8 +407,9 @@ fn purpose(domain: &Domain, words: &Words, id: ActionId, says: &str) -> String {
     results.truncate(3);
     let spoken = filled(says, &action.parameters, |_, name| format!("the {name}"));
     let results: Vec<String> = results.into_iter().map(|(_, text)| text).collect();
-    match results.is_empty() {
-        true => format!("{}.", capitalized(&spoken)),
-        false => format!("{}. After it: {}.", capitalized(&spoken), results.join("; ")),
+    if results.is_empty() {
+        format!("{}.", capitalized(&spoken))
+    } else {
+        format!("{}. After it: {}.", capitalized(&spoken), results.join("; "))
     }
 }

@@ -112,10 +112,7 @@ impl Taken {
         self.rules(&mut own.rules)?;
         self.robot(&mut own.robot)?;
         own.project_env = self.further_environment(own.env.as_ref())?;
-        match is_file {
-            true => Ok(()),
-            false => self.model(&mut own.model),
-        }
+        if is_file { Ok(()) } else { self.model(&mut own.model) }
     }
 }
 

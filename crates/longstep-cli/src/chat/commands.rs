@@ -106,12 +106,11 @@ impl Chat<'_> {
         };
         let why = session::why(world, plan, &purpose, goal, StepId::new(number - 1));
         show::list("It achieves", &why.brings_about);
-        match why.without_it.is_empty() {
-            true => {
-                output::blank();
-                print_line!("Without it, the plan would still be valid.");
-            }
-            false => show::list("Without it", &why.without_it),
+        if why.without_it.is_empty() {
+            output::blank();
+            print_line!("Without it, the plan would still be valid.");
+        } else {
+            show::list("Without it", &why.without_it)
         }
         Ok(())
     }

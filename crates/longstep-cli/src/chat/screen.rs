@@ -24,9 +24,10 @@ pub(super) fn notice(text: &str) {
 /// Says what becomes of a line that was typed before the prompt.
 pub(super) fn typed_ahead(line: &str) {
     let can_edit = !std::env::var("TERM").is_ok_and(|terminal| PLAIN_TERMINALS.contains(&terminal.as_str()));
-    match can_edit {
-        true => notice("You typed this before the prompt. Enter sends it, Ctrl-U clears it:"),
-        false => notice(&format!("You typed this before the prompt, and it is not sent: {line}")),
+    if can_edit {
+        notice("You typed this before the prompt. Enter sends it, Ctrl-U clears it:")
+    } else {
+        notice(&format!("You typed this before the prompt, and it is not sent: {line}"))
     }
 }
 
@@ -87,9 +88,10 @@ fn consent(interactive: bool) {
 pub(super) fn ended(session: &Session, endings: &[Ended]) {
     print_line!("{}", "How did the plan end?".yellow().bold());
     for (number, ending) in endings.iter().enumerate() {
-        let when = match ending.when.is_empty() {
-            true => "in every other case".to_owned(),
-            false => ending.when.join(", and "),
+        let when = if ending.when.is_empty() {
+            "in every other case".to_owned()
+        } else {
+            ending.when.join(", and ")
         };
         print_line!("  {} {when}", format!("{}.", number + 1).bold());
         show::changes(session.world().environment(), &ending.environment);
@@ -121,9 +123,10 @@ fn proposal(session: &Session) {
             .refused
             .iter()
             .any(|why| matches!(why, Refusal::Change(obstacle) if obstacle.step().is_some()));
-        let title = match of_steps {
-            true => "This change is not possible. In the plan with your change:",
-            false => "This change is not possible",
+        let title = if of_steps {
+            "This change is not possible. In the plan with your change:"
+        } else {
+            "This change is not possible"
         };
         show::heading(title);
         for why in &proposal.refused {

@@ -260,9 +260,10 @@ fn spelled(answers: &Answers, given: &mut Given<'_>, sentence: String) -> Result
         return Ok(sentence);
     };
     let text = format!("Is \"{}\" the kind \"{}\"? (yes or no)", misspelt.word, misspelt.kind);
-    Ok(match yes_or_no(given, question(text, "yes"))? {
-        true => misspelt.mended(&sentence),
-        false => sentence,
+    Ok(if yes_or_no(given, question(text, "yes"))? {
+        misspelt.mended(&sentence)
+    } else {
+        sentence
     })
 }
 
@@ -278,9 +279,10 @@ fn is_yes(answer: &str) -> Option<bool> {
 fn first_world(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<Question>> {
     for index in 0..answers.kind.len() {
         let name = answers.kind[index].name.clone();
-        let default = match answers.kind[index].stays {
-            true => format!("left {name}, right {name}"),
-            false => format!("red {name}, blue {name}"),
+        let default = if answers.kind[index].stays {
+            format!("left {name}, right {name}")
+        } else {
+            format!("red {name}, blue {name}")
         };
         let mut text = question(
             format!("Which ones of the kind \"{name}\" are there? (with commas)"),

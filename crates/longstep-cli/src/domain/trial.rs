@@ -84,9 +84,10 @@ pub(super) fn run(arguments: &TryArguments) -> Result<u8> {
     );
     let mut tried = Vec::new();
     for (index, sample) in samples.iter().enumerate() {
-        match arguments.json {
-            true => remark!("{} of {}: {}", index + 1, samples.len(), sample.instruction),
-            false => show_sample(&world, index, sample),
+        if arguments.json {
+            remark!("{} of {}: {}", index + 1, samples.len(), sample.instruction)
+        } else {
+            show_sample(&world, index, sample)
         }
         let (understood, right) = understand(arguments, &domain, &world, sample, model.as_mut())?;
         if !arguments.json {

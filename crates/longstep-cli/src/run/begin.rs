@@ -33,9 +33,10 @@ pub(super) struct Begun {
 
 /// Returns the plan to run, or the exit code where there is none.
 pub(super) fn begin(arguments: &RunArguments, what: &str) -> Result<Result<Begun, u8>> {
-    match Path::new(what).is_file() {
-        true => of_file(arguments, Path::new(what)),
-        false => of_instruction(arguments, what),
+    if Path::new(what).is_file() {
+        of_file(arguments, Path::new(what))
+    } else {
+        of_instruction(arguments, what)
     }
 }
 
@@ -101,13 +102,14 @@ pub(crate) fn aim_of(goal: Option<&Goal>, world: &World) -> Aim {
 
 /// Refuses a robot that does not observe.
 pub(crate) fn observing(robot: &dyn Robot) -> Result<()> {
-    match robot.describe().observes {
-        true => Ok(()),
-        false => Err(
+    if robot.describe().observes {
+        Ok(())
+    } else {
+        Err(
             Failure::unreadable("this robot does not observe, so its plan cannot be monitored")
                 .hint("let the robot's program declare the capability `observe` and answer `observe`")
                 .into(),
-        ),
+        )
     }
 }
 
@@ -149,14 +151,16 @@ fn settings(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> R
     };
     observing(robot)?;
     Ok(Settings {
-        approval: match opened.is_dry {
-            true => Approval::Never,
-            false => arguments.approve.map_or_else(Approval::default, Approval::from),
+        approval: if opened.is_dry {
+            Approval::Never
+        } else {
+            arguments.approve.map_or_else(Approval::default, Approval::from)
         },
-        trust: match opened.is_dry {
+        trust: if opened.is_dry {
             // Nothing is observed in a dry run.
-            true => Trust::Promised,
-            false => arguments.trust.map_or_else(Trust::default, Trust::from),
+            Trust::Promised
+        } else {
+            arguments.trust.map_or_else(Trust::default, Trust::from)
         },
         watch: arguments.observe.map_or_else(Watch::default, Watch::from),
         changes: arguments.changes.unwrap_or(Settings::default().changes),

@@ -110,9 +110,10 @@ impl Steps {
         self.places = (0..kept.len()).map(|entry| Place::Step { depth: 0, entry }).collect();
         self.entries = kept;
         self.orders.clear();
-        let mark = match std::mem::take(&mut self.is_changed) {
-            true => Mark::New,
-            false => Mark::Waiting,
+        let mark = if std::mem::take(&mut self.is_changed) {
+            Mark::New
+        } else {
+            Mark::Waiting
         };
         self.append(execution, mark);
         self.is_stale = false;
@@ -267,9 +268,10 @@ impl Steps {
         let all = marks
             .filter(|mark| !matches!(mark, Mark::Undone | Mark::Failed))
             .count();
-        match self.is_open_ended {
-            true => output::counted(done, "step") + " done",
-            false => format!("{done} of {} done", output::counted(all, "step")),
+        if self.is_open_ended {
+            output::counted(done, "step") + " done"
+        } else {
+            format!("{done} of {} done", output::counted(all, "step"))
         }
     }
 
@@ -282,13 +284,12 @@ impl Steps {
         };
         let all = self.places.len();
         let most = most.max(LEAST_LINES);
-        let (from, to) = match all <= most {
-            true => (0, all),
-            false => {
-                let open = self.places.iter().position(is_open).unwrap_or(all);
-                let from = open.saturating_sub(BEFORE).min(all - most);
-                (from, from + most)
-            }
+        let (from, to) = if all <= most {
+            (0, all)
+        } else {
+            let open = self.places.iter().position(is_open).unwrap_or(all);
+            let from = open.saturating_sub(BEFORE).min(all - most);
+            (from, from + most)
         };
         let mut lines = Vec::new();
         if from > 0 {

@@ -18,10 +18,7 @@ pub(super) fn log_named(named: &Path) -> Result<PathBuf> {
         return Ok(named.to_owned());
     }
     let kept = runs_folder()?.join(named).with_extension(EXTENSION);
-    Ok(match kept.is_file() {
-        true => kept,
-        false => named.to_owned(),
-    })
+    Ok(if kept.is_file() { kept } else { named.to_owned() })
 }
 
 /// Returns the name of a run on the command line: that of its log in the folder of runs, or else the path.

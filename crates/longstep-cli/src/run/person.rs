@@ -78,9 +78,10 @@ impl Person {
             match self.lines.wait(LOOK) {
                 Ok(Waited::Line(line)) => return Some(line),
                 Ok(Waited::Ended) | Err(_) => {
-                    let why = match std::io::stdin().is_terminal() {
-                        true => "the input has ended",
-                        false => "nobody can answer; pass `--approve never` to run without questions",
+                    let why = if std::io::stdin().is_terminal() {
+                        "the input has ended"
+                    } else {
+                        "nobody can answer; pass `--approve never` to run without questions"
                     };
                     remark!("{why}");
                     return None;

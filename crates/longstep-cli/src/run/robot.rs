@@ -36,9 +36,10 @@ pub(crate) enum Entry {
 pub(crate) fn open(named: &str, world: &World, live: bool, request: &StopRequest, entry: Entry) -> Result<Opened> {
     let opened = open_kind(named, world, live, request, entry)?;
     request.attach(opened.robot.stop_switch());
-    match request.is_requested() {
-        true => Err(failure(&RobotError::Stopped).into()),
-        false => Ok(opened),
+    if request.is_requested() {
+        Err(failure(&RobotError::Stopped).into())
+    } else {
+        Ok(opened)
     }
 }
 
@@ -124,18 +125,20 @@ fn connected(configuration: Configuration, domain: &Domain, entry: Entry) -> Res
 fn configuration(path: &Path, domain: &Domain, world: Option<&World>) -> Result<Configuration> {
     let configuration = Configuration::parse(&path.display().to_string(), &read_text(path)?)?;
     let checked = ros2::check(&configuration, domain, world);
-    match checked.mismatches.is_empty() {
-        true => Ok(configuration),
-        false => Err(longstep_core::diagnostic::Diagnostics(checked.mismatches).into()),
+    if checked.mismatches.is_empty() {
+        Ok(configuration)
+    } else {
+        Err(longstep_core::diagnostic::Diagnostics(checked.mismatches).into())
     }
 }
 
 /// Returns a robot that moves, with its locks.
 fn moving(robot: Box<dyn Robot>) -> Result<Opened> {
     let drives = robot.describe().drives.clone();
-    match drives.is_empty() {
-        true => Ok(Opened { robot, is_dry: false }),
-        false => locked(&drives, || Ok(robot)),
+    if drives.is_empty() {
+        Ok(Opened { robot, is_dry: false })
+    } else {
+        locked(&drives, || Ok(robot))
     }
 }
 

@@ -169,9 +169,10 @@ impl Watcher for View<'_> {
         if let Some(board) = &mut self.board {
             board.draw();
         }
-        match output::failed() {
-            true => Err("the output can no longer be written".to_owned()),
-            false => Ok(()),
+        if output::failed() {
+            Err("the output can no longer be written".to_owned())
+        } else {
+            Ok(())
         }
     }
 

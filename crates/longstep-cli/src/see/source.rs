@@ -79,9 +79,10 @@ impl Source {
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {
     let is_folder = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_dir());
-    let read = match is_folder {
-        true => Err(std::io::ErrorKind::IsADirectory.into()),
-        false => read_bounded(path, PICTURE_LIMIT as u64),
+    let read = if is_folder {
+        Err(std::io::ErrorKind::IsADirectory.into())
+    } else {
+        read_bounded(path, PICTURE_LIMIT as u64)
     };
     read.map_err(|error| match error.kind() {
         std::io::ErrorKind::FileTooLarge => {

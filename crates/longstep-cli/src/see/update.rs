@@ -77,9 +77,10 @@ fn report(look: &Report, observed: &Observed, not_seen: &[String], stored: bool)
 }
 
 fn show_changes(observed: &Observed, not_seen: &[String]) {
-    match observed.changes.is_empty() {
-        true => print_line!("The world is as the session expects it"),
-        false => show::list("Changed", &observed.changes),
+    if observed.changes.is_empty() {
+        print_line!("The world is as the session expects it")
+    } else {
+        show::list("Changed", &observed.changes)
     }
     show::list("Not in the session, and left out", &observed.unknown);
     show::list("Not seen, and left as it was", not_seen);

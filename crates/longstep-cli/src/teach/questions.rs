@@ -97,10 +97,13 @@ impl<'a> Questions<'a> {
                 Shown::Skip => next += 1,
                 Shown::Back => next = next.saturating_sub(1),
                 Shown::Nothing => {}
-                Shown::Recording(recording) => match self.is_kept(request, &recording)? {
-                    true => next += 1,
-                    false => remark!("Show step {} again.", request.number()),
-                },
+                Shown::Recording(recording) => {
+                    if self.is_kept(request, &recording)? {
+                        next += 1
+                    } else {
+                        remark!("Show step {} again.", request.number())
+                    }
+                }
             }
         }
         let lesson = learn(self.requests, &self.segments, self.expectations);

@@ -71,9 +71,10 @@ impl Dialect {
                 };
                 let usage = json!({"promptTokenCount": 900, "candidatesTokenCount": 12, "totalTokenCount": 912});
                 let content = |text: &str| json!({"role": "model", "parts": [{"text": text}]});
-                let last = match is_refused {
-                    true => json!({"index": 0, "finishReason": reason}),
-                    false => json!({"index": 0, "finishReason": reason, "content": content(second)}),
+                let last = if is_refused {
+                    json!({"index": 0, "finishReason": reason})
+                } else {
+                    json!({"index": 0, "finishReason": reason, "content": content(second)})
                 };
                 let parts = [json!({"index": 0, "content": content(first)}), last];
                 let event =

@@ -122,9 +122,10 @@ impl Execution {
 
     /// Returns the purpose of the rest of the plan.
     pub(super) fn rest_of_purpose(&self) -> Purpose {
-        let stages = match self.purpose.stages.is_empty() {
-            true => Vec::new(),
-            false => self.progress.remaining(&self.world, &self.purpose),
+        let stages = if self.purpose.stages.is_empty() {
+            Vec::new()
+        } else {
+            self.progress.remaining(&self.world, &self.purpose)
         };
         Purpose {
             stages,
@@ -161,9 +162,10 @@ impl Execution {
             return None;
         }
         let before = self.checkpoint.rest()?;
-        let kept = match before.plan.is_sequence() {
-            true => self.since.len().min(before.plan.steps().len()),
-            false => 1,
+        let kept = if before.plan.is_sequence() {
+            self.since.len().min(before.plan.steps().len())
+        } else {
+            1
         };
         (0..kept).rev().find_map(|from| {
             let plan = valid(here, before.without_first(from)?, purpose, &mut left)?;
@@ -198,10 +200,11 @@ impl Execution {
         let missing = self.without_effect();
         let of_repeated = missing.into_iter().filter(|index| *index >= first);
         let failed: Vec<GroundAction> = of_repeated.map(|index| self.since[index].clone()).collect();
-        let (failed, why) = match failed.is_empty() {
+        let (failed, why) = if failed.is_empty() {
             // What is missing is no effect of theirs, and comes about if they are repeated.
-            true => (repeated.to_vec(), IN_VAIN),
-            false => (failed, "it had no effect"),
+            (repeated.to_vec(), IN_VAIN)
+        } else {
+            (failed, "it had no effect")
         };
         for step in failed {
             self.count_failure(step, why);
@@ -239,10 +242,7 @@ impl Execution {
     pub(super) fn draft(&self) -> Plan {
         let (now, before) = (self.cursor.rest(), self.checkpoint.rest());
         let missing = !self.without_effect().is_empty();
-        let rest = match missing {
-            true => before.or(now),
-            false => now,
-        };
+        let rest = if missing { before.or(now) } else { now };
         rest.map(|rest| rest.plan).unwrap_or_default()
     }
 

@@ -169,9 +169,10 @@ fn resolved(world: &World, plan: &Plan) -> Resolved {
         .body()
         .iter()
         .all(|node| matches!(node, Node::Step(_) | Node::Parallel { .. } | Node::Remark(_)));
-    let plan = match has_lanes && flat {
-        true => in_sequence(plan),
-        false => plan.clone(),
+    let plan = if has_lanes && flat {
+        in_sequence(plan)
+    } else {
+        plan.clone()
     };
     Resolved {
         steps: plan.steps().iter().map(|step| Some(DraftStep::from(step))).collect(),

@@ -194,9 +194,12 @@ impl Execution {
             state: self.state(),
         };
         let weight = |variable| weight_of(self.basis(variable).map(|(basis, _)| basis));
-        let of_rule = |variable| match self.knowledge.is_touched(&self.world, variable) {
-            true => weight(variable),
-            false => 0,
+        let of_rule = |variable| {
+            if self.knowledge.is_touched(&self.world, variable) {
+                weight(variable)
+            } else {
+                0
+            }
         };
         let rests = |wanted: &Wanted, weight: &dyn Fn(StateVariable) -> u32| {
             let found = support(moment, &wanted.condition, &mut wanted.bindings.clone(), weight);

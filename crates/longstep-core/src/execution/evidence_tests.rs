@@ -260,12 +260,13 @@ fn a_person_is_asked_about_what_nobody_has_seen() {
             execution.confirmed(holds).unwrap();
             end = robot.run(&mut execution);
         }
-        match holds {
-            true => assert!(matches!(end, Need::Done), "{end:?}"),
-            false => assert!(
+        if holds {
+            assert!(matches!(end, Need::Done), "{end:?}")
+        } else {
+            assert!(
                 matches!(end, Need::Stopped(Stop::Unseen { denied: true, .. })),
                 "{end:?}"
-            ),
+            )
         }
         let mut log = robot.log;
         log.extend(execution.take_events());

@@ -140,26 +140,24 @@ impl Knowledge {
             terms.iter().all(bound)
         };
         for effect in &action.effects {
-            match is_bound(&effect.atom.terms) {
-                true => {
-                    let fact = longstep_model::model::ground(&effect.atom, arguments);
-                    self.touched.insert(StateVariable::Fact(fact), now);
-                }
-                false => touch_all(&mut self.touched_facts, &effect.atom, (arguments, &effect.forall), now),
+            if is_bound(&effect.atom.terms) {
+                let fact = longstep_model::model::ground(&effect.atom, arguments);
+                self.touched.insert(StateVariable::Fact(fact), now);
+            } else {
+                touch_all(&mut self.touched_facts, &effect.atom, (arguments, &effect.forall), now)
             }
         }
         for effect in &action.numeric {
-            match is_bound(&effect.fluent.terms) {
-                true => {
-                    let fluent = effect.fluent.ground(arguments);
-                    self.touched.insert(StateVariable::Number(fluent), now);
-                }
-                false => touch_all(
+            if is_bound(&effect.fluent.terms) {
+                let fluent = effect.fluent.ground(arguments);
+                self.touched.insert(StateVariable::Number(fluent), now);
+            } else {
+                touch_all(
                     &mut self.touched_numbers,
                     &effect.fluent,
                     (arguments, &effect.forall),
                     now,
-                ),
+                )
             }
         }
     }

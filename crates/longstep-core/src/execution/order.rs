@@ -56,9 +56,10 @@ impl Execution {
         self.events.push(Event::ordered(&self.world, &order));
         self.running.push(order.clone());
         self.knowledge.touch(&self.world, &order);
-        Some(match order.outcomes.is_empty() {
-            true => Need::Perform(order),
-            false => Need::Sense(order),
+        Some(if order.outcomes.is_empty() {
+            Need::Perform(order)
+        } else {
+            Need::Sense(order)
         })
     }
 

@@ -79,9 +79,10 @@ impl Execution {
         execution.events = lacked;
         if execution.is_ended() && execution.suspended.is_none() && !goes_on {
             // The log may lack the end that follows from its last event.
-            return match execution.events.is_empty() {
-                true => Err(ResumeError::Ended),
-                false => Ok(execution),
+            return if execution.events.is_empty() {
+                Err(ResumeError::Ended)
+            } else {
+                Ok(execution)
             };
         }
         let under_way = execution.unknown();

@@ -33,9 +33,12 @@ fn shares(comparison: &Comparison) -> impl Iterator<Item = Line> {
 /// Rows for costs.
 fn costs(comparison: &Comparison) -> [Line; 5] {
     let (first, second) = comparison.costs;
-    let part = |before: f64, after: f64| match before > 0.0 {
-        true => format!("{:+.0} %", (after / before - 1.0) * 100.0),
-        false => String::new(),
+    let part = |before: f64, after: f64| {
+        if before > 0.0 {
+            format!("{:+.0} %", (after / before - 1.0) * 100.0)
+        } else {
+            String::new()
+        }
     };
     let count = |name: &str, before: u64, after: u64| {
         [
@@ -75,9 +78,10 @@ fn verdict(comparison: &Comparison) -> String {
 }
 
 fn chance(p: f64) -> String {
-    match p < 0.0001 {
-        true => "less than 0.0001".to_owned(),
-        false => format!("{p:.4}"),
+    if p < 0.0001 {
+        "less than 0.0001".to_owned()
+    } else {
+        format!("{p:.4}")
     }
 }
 
@@ -181,9 +185,12 @@ pub(super) fn html(comparison: &Comparison) -> String {
         )
     };
     let row = |[name, before, after, difference]: Line, notes: [String; 2]| {
-        let note = |note: &str| match note.is_empty() {
-            true => String::new(),
-            false => format!(" <small>{note}</small>"),
+        let note = |note: &str| {
+            if note.is_empty() {
+                String::new()
+            } else {
+                format!(" <small>{note}</small>")
+            }
         };
         format!(
             "<tr><th scope=\"row\">{name}</th><td>{before}{}</td><td>{after}{}</td><td>{difference}</td></tr>\n",

@@ -101,9 +101,10 @@ fn outcome(attempt: &Attempt) -> String {
         (false, false) => ", not correct",
     };
     if let Some(right) = attempt.claim_right {
-        words += match right {
-            true => "; the claimed environment is the simulated one",
-            false => "; the claimed environment is not the simulated one",
+        words += if right {
+            "; the claimed environment is the simulated one"
+        } else {
+            "; the claimed environment is not the simulated one"
         };
     }
     words
@@ -112,9 +113,10 @@ fn outcome(attempt: &Attempt) -> String {
 /// A list of markup under a heading; empty without items.
 fn list(heading: &str, items: impl Iterator<Item = String>) -> String {
     let items: String = items.map(|item| format!("<li>{item}</li>")).collect();
-    match items.is_empty() {
-        true => items,
-        false => format!("<h4>{heading}</h4><ul>{items}</ul>"),
+    if items.is_empty() {
+        items
+    } else {
+        format!("<h4>{heading}</h4><ul>{items}</ul>")
     }
 }
 
@@ -132,13 +134,14 @@ fn plan(lines: &[PlanLine]) -> String {
         )
     };
     let rows: String = lines.iter().map(line).collect();
-    match rows.is_empty() {
-        true => rows,
-        false => format!(
+    if rows.is_empty() {
+        rows
+    } else {
+        format!(
             "<h4>Plan</h4><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Plan\"><table \
-             class=\"plan\"><thead><tr><th></th><th>Step</th><th>What becomes so</th></tr></thead><tbody>{rows}</tbody>\
-             </table></div>"
-        ),
+         class=\"plan\"><thead><tr><th></th><th>Step</th><th>What becomes so</th></tr></thead><tbody>{rows}</tbody>\
+         </table></div>"
+        )
     }
 }
 
@@ -161,12 +164,13 @@ fn edit(edit: &Edit) -> String {
 /// The answers of the model that were weighed.
 fn readings(attempt: &Attempt) -> String {
     let lines: Vec<String> = attempt.readings.iter().flat_map(Reading::lines).collect();
-    match lines.is_empty() {
-        true => String::new(),
-        false => format!(
+    if lines.is_empty() {
+        String::new()
+    } else {
+        format!(
             "<h4>How it was understood</h4><pre>{}</pre>",
             escaped(&lines.join("\n"))
-        ),
+        )
     }
 }
 

@@ -41,9 +41,10 @@ pub(super) fn grid(results: &Results) -> Grid<'_> {
     rows.sort_by_key(|(wording, trial)| (wordings.iter().position(|known| known == wording), *trial));
     let named = |row: (&str, u32)| {
         let trial = format!("Trial {}", row.1);
-        match several_wordings {
-            true => format!("{trial}, {}", row.0.replace('_', " ")),
-            false => trial,
+        if several_wordings {
+            format!("{trial}, {}", row.0.replace('_', " "))
+        } else {
+            trial
         }
     };
     let rows = rows

@@ -9,9 +9,10 @@ use crate::rate::Rate;
 /// The label of an attempt: the shortest part of its key that is unique in the run.
 pub(crate) fn label(results: &Results, attempt: &Attempt) -> String {
     let key = &attempt.key;
-    let mut label = match super::paper::is_paper(results) {
-        true => format!("Scenario {}", key.case),
-        false => key.case.clone(),
+    let mut label = if super::paper::is_paper(results) {
+        format!("Scenario {}", key.case)
+    } else {
+        key.case.clone()
     };
     let chain = |other: &Attempt| other.key.case == key.case && other.key.step > 0;
     if key.step > 0 || results.attempts.iter().any(chain) {

@@ -119,9 +119,12 @@ fn rounds(results: &Results) -> Vec<String> {
         lines.extend(by_case(
             results,
             "rounds",
-            |attempt| match attempt.executable {
-                true => attempt.rounds.to_string(),
-                false => format!("{} ✗", attempt.rounds),
+            |attempt| {
+                if attempt.executable {
+                    attempt.rounds.to_string()
+                } else {
+                    format!("{} ✗", attempt.rounds)
+                }
             },
             ("The paper", |case| paper::rounds(case).map(|rounds| rounds.to_string())),
         ));

@@ -52,9 +52,10 @@ pub(crate) fn escaped(text: &str) -> String {
 
 /// A section of a page with its heading; empty if the body is empty.
 pub(super) fn section(id: &str, heading: &str, body: &str) -> String {
-    match body.is_empty() {
-        true => String::new(),
-        false => format!("<section id=\"{id}\"><h2>{heading}</h2>\n{body}</section>\n"),
+    if body.is_empty() {
+        String::new()
+    } else {
+        format!("<section id=\"{id}\"><h2>{heading}</h2>\n{body}</section>\n")
     }
 }
 

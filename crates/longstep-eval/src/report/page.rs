@@ -107,12 +107,13 @@ fn failures(results: &Results, summary: &Summary) -> String {
         )
     };
     let rows: String = failures.iter().map(row).collect();
-    match rows.is_empty() {
-        true => rows,
-        false => format!(
+    if rows.is_empty() {
+        rows
+    } else {
+        format!(
             "<p class=\"quiet\">A mistake in the first reply counts even if it was corrected later. Open a kind \
-             to see its attempts.</p>\n<div class=\"kinds\">\n{rows}</div>\n"
-        ),
+         to see its attempts.</p>\n<div class=\"kinds\">\n{rows}</div>\n"
+        )
     }
 }
 
@@ -143,9 +144,10 @@ fn groupings(results: &Results) -> String {
         format!("<div><h3>{heading}</h3>{}</div>\n", scrolling(heading, &table))
     };
     let all: String = groups::groupings(results).into_iter().map(one).collect();
-    match all.is_empty() {
-        true => all,
-        false => format!("<div class=\"columns\">{all}</div>\n"),
+    if all.is_empty() {
+        all
+    } else {
+        format!("<div class=\"columns\">{all}</div>\n")
     }
 }
 
@@ -188,9 +190,10 @@ fn wrong(results: &Results) -> String {
         )
     };
     let entries: String = not_correct(results).into_iter().map(entry).collect();
-    match entries.is_empty() {
-        true => entries,
-        false => format!("<ul class=\"wrong\">\n{entries}</ul>\n"),
+    if entries.is_empty() {
+        entries
+    } else {
+        format!("<ul class=\"wrong\">\n{entries}</ul>\n")
     }
 }
 

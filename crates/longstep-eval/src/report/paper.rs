@@ -30,9 +30,10 @@ pub(super) fn trials(case: &str) -> Option<u8> {
 
 /// The name of the paper's row in the table of trials, which is about plans before any feedback.
 pub(super) fn first_row(results: &Results) -> &'static str {
-    match has_rounds(results) {
-        true => "The paper, at first",
-        false => "The paper",
+    if has_rounds(results) {
+        "The paper, at first"
+    } else {
+        "The paper"
     }
 }
 
@@ -94,9 +95,10 @@ pub(super) fn agreement(results: &Results) -> Option<Agreement> {
     let rounds_matter = has_rounds(results);
     let agrees = |attempt: &Attempt| {
         let case = &attempt.key.case;
-        match rounds_matter {
-            true => Some(attempt.executable && attempt.rounds == rounds(case)?),
-            false => Some(attempt.executable == (trials(case)? == 5)),
+        if rounds_matter {
+            Some(attempt.executable && attempt.rounds == rounds(case)?)
+        } else {
+            Some(attempt.executable == (trials(case)? == 5))
         }
     };
     let known = results
@@ -106,9 +108,10 @@ pub(super) fn agreement(results: &Results) -> Option<Agreement> {
     let (mut agree, mut of, mut differing) = (0, 0, Vec::new());
     for (attempt, agrees) in known {
         of += 1;
-        match agrees {
-            true => agree += 1,
-            false => differing.push(super::label(results, attempt)),
+        if agrees {
+            agree += 1
+        } else {
+            differing.push(super::label(results, attempt))
         }
     }
     Some(Agreement {

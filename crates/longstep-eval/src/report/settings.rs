@@ -13,9 +13,12 @@ pub(crate) fn settings(plan: &Plan) -> Vec<(&'static str, String)> {
             .as_str()
             .map_or_else(|| value.to_string(), |word| word.replace('_', " "))
     };
-    let any = |list: &[String]| match list.is_empty() {
-        true => "all".to_owned(),
-        false => list.join(", "),
+    let any = |list: &[String]| {
+        if list.is_empty() {
+            "all".to_owned()
+        } else {
+            list.join(", ")
+        }
     };
     vec![
         ("suite", plan.suite.clone()),
@@ -50,9 +53,10 @@ pub(crate) fn settings(plan: &Plan) -> Vec<(&'static str, String)> {
         ("wordings", any(&plan.wordings)),
         (
             "changes",
-            match plan.changes.is_empty() {
-                true => "none".to_owned(),
-                false => plan.changes.join("; "),
+            if plan.changes.is_empty() {
+                "none".to_owned()
+            } else {
+                plan.changes.join("; ")
             },
         ),
         ("longstep", plan.longstep.clone()),

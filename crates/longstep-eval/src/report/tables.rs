@@ -60,9 +60,10 @@ pub(super) fn attempts(results: &Results) -> String {
             &format!("{theirs}<td class=\"sum\">5/14</td>"),
         ),
     );
-    let note = match paper::has_rounds(results) {
-        true => String::new(),
-        false => agreement(results),
+    let note = if paper::has_rounds(results) {
+        String::new()
+    } else {
+        agreement(results)
     };
     legend() + &scrolling("Scenarios and trials", &table) + &note
 }
@@ -90,9 +91,10 @@ fn table(
         )
     };
     let rows: String = grid.rows.iter().map(row).collect();
-    let theirs = match theirs.is_empty() {
-        true => String::new(),
-        false => format!("<tfoot><tr><th scope=\"row\">{whose}</th>{theirs}</tr></tfoot>"),
+    let theirs = if theirs.is_empty() {
+        String::new()
+    } else {
+        format!("<tfoot><tr><th scope=\"row\">{whose}</th>{theirs}</tr></tfoot>")
     };
     format!(
         "<table class=\"grid\"><thead><tr><th scope=\"col\">{corner}</th>{names}<th \
@@ -130,9 +132,12 @@ pub(super) fn rounds(results: &Results) -> String {
     if !paper && (grid.cases.len() > COLUMNS || results.attempts.iter().any(|attempt| attempt.key.step > 0)) {
         return needed(results);
     }
-    let count = |attempt: &Attempt| match attempt.executable || !attempt.wants_plan() {
-        true => attempt.rounds.to_string(),
-        false => format!("{}&nbsp;✗", attempt.rounds),
+    let count = |attempt: &Attempt| {
+        if attempt.executable || !attempt.wants_plan() {
+            attempt.rounds.to_string()
+        } else {
+            format!("{}&nbsp;✗", attempt.rounds)
+        }
     };
     let cell = |cell: &Option<(usize, &Attempt)>| match cell {
         Some((place, attempt)) => {
@@ -144,18 +149,17 @@ pub(super) fn rounds(results: &Results) -> String {
         let all: u32 = row.cells.iter().flatten().map(|(_, attempt)| attempt.rounds).sum();
         format!("<td class=\"sum\">{all}</td>")
     };
-    let theirs: String = match paper {
-        true => {
-            let known = |case: &&str| paper::rounds(case);
-            let cells = grid.cases.iter().map(|case| {
-                let rounds = known(case).map_or_else(String::new, |rounds| rounds.to_string());
-                format!("<td>{rounds}</td>")
-            });
-            let cells: String = cells.collect();
-            let all: u32 = grid.cases.iter().filter_map(known).sum();
-            format!("{cells}<td class=\"sum\">{all}</td>")
-        }
-        false => String::new(),
+    let theirs: String = if paper {
+        let known = |case: &&str| paper::rounds(case);
+        let cells = grid.cases.iter().map(|case| {
+            let rounds = known(case).map_or_else(String::new, |rounds| rounds.to_string());
+            format!("<td>{rounds}</td>")
+        });
+        let cells: String = cells.collect();
+        let all: u32 = grid.cases.iter().filter_map(known).sum();
+        format!("{cells}<td class=\"sum\">{all}</td>")
+    } else {
+        String::new()
     };
     if let [row] = &mut grid.rows[..] {
         row.name = "This run".to_owned();

@@ -83,15 +83,16 @@ fn table(results: &Results) -> Vec<String> {
     if rows.len() > ROWS {
         lines.push(format!("  and {} rows more", rows.len() - ROWS));
     }
-    let paper: Vec<String> = match rounds {
-        true => cases
+    let paper: Vec<String> = if rounds {
+        cases
             .iter()
             .map(|case| or_none(paper::rounds(case).map(|n| n.to_string())))
-            .collect(),
-        false => cases
+            .collect()
+    } else {
+        cases
             .iter()
             .map(|case| or_none(paper::trials(case).map(|n| format!("{n}/5"))))
-            .collect(),
+            .collect()
     };
     lines.push(row(if rounds { "The paper's rounds" } else { "The paper" }, paper));
     if let Some(agreement) = paper::agreement(results) {

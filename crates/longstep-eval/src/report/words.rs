@@ -80,9 +80,10 @@ pub(crate) fn came(attempt: &Attempt) -> String {
     if attempt.is_question() {
         return format!("the question \u{201c}{}\u{201d}", attempt.question);
     }
-    match attempt.understood.is_empty() {
-        true => attempt.outcome.name().replace('_', " "),
-        false => attempt.understood.join(" & "),
+    if attempt.understood.is_empty() {
+        attempt.outcome.name().replace('_', " ")
+    } else {
+        attempt.understood.join(" & ")
     }
 }
 

@@ -181,9 +181,10 @@ fn the_goal_strategy_keeps_to_them() {
         let case = &scene.case;
         let mut session = scene.session(Settings::default());
         let mut goals: Vec<&str> = case.goal.split(" & ").collect();
-        match case.standing {
-            true => session.add_rule(&case.rule).unwrap(),
-            false => goals.push(&case.rule),
+        if case.standing {
+            session.add_rule(&case.rule).unwrap()
+        } else {
+            goals.push(&case.rule)
         }
         scene.answered(
             &mut session,

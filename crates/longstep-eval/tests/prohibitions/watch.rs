@@ -37,9 +37,10 @@ impl Watch {
                 let mut changed = Vec::new();
                 for change in changes {
                     let fact = words(world, change.fact);
-                    match change.holds {
-                        true => state.insert(fact.clone()),
-                        false => state.remove(&fact),
+                    if change.holds {
+                        state.insert(fact.clone())
+                    } else {
+                        state.remove(&fact)
                     };
                     changed.push(fact);
                 }

@@ -31,9 +31,10 @@ pub(crate) fn run(pipe: &Pipe, domains: &mut Domains, command: &Value) -> Anyhow
     let mut robot = PipeRobot::new(*pipe, description(&wanted["robot"]), request.clone());
     request.attach(longstep_robot::Robot::stop_switch(&robot));
     let domain = load(domains, wanted["domain"].as_str().unwrap_or_default())?;
-    let begun = match resumes {
-        true => resumed(domain, wanted, &robot),
-        false => begun(domain, wanted, &robot)?,
+    let begun = if resumes {
+        resumed(domain, wanted, &robot)
+    } else {
+        begun(domain, wanted, &robot)?
     };
     let mut execution = match begun {
         Ok(execution) => execution,
@@ -153,9 +154,10 @@ fn resumed(domain: &Domain, wanted: &Value, robot: &PipeRobot) -> Result<Executi
     };
     let execution = Execution::resume(domain, &events, resumed).map_err(|error| (30, error.to_string()))?;
     let reported = reports(robot, execution.world()).map_err(|error| (30, error.to_string()))?;
-    match reported == execution.settings().reports {
-        true => Ok(execution),
-        false => Err((30, "this robot reports other facts".to_owned())),
+    if reported == execution.settings().reports {
+        Ok(execution)
+    } else {
+        Err((30, "this robot reports other facts".to_owned()))
     }
 }
 

@@ -50,9 +50,10 @@ impl Blocks {
     /// computed in blocks that end at `ours`. All only if a picture follows: otherwise the last block is computed to get the
     /// logits of the next token.
     pub(super) fn reusable(&self, ours: &[usize], known: usize) -> usize {
-        let reused = match self.is_followed {
-            true => self.ends.len(),
-            false => self.ends.len().saturating_sub(1),
+        let reused = if self.is_followed {
+            self.ends.len()
+        } else {
+            self.ends.len().saturating_sub(1)
         };
         ours.iter()
             .zip(self.ends.iter().take(reused))

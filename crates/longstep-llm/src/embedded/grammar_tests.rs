@@ -197,9 +197,10 @@ fn environment(names: &[usize], places: usize) -> String {
     for (index, name) in names.iter().enumerate() {
         let id = format!("<e{index}x>");
         called.insert(id.clone(), serde_json::json!(NAMES[*name]));
-        match index < places {
-            true => assets.push(id),
-            false => objects.push(id),
+        if index < places {
+            assets.push(id)
+        } else {
+            objects.push(id)
         }
     }
     serde_json::json!({"assets": assets, "objects": objects, "names": called}).to_string()

@@ -101,9 +101,10 @@ impl Answer {
         let reason = value["choices"][0]["finish_reason"].as_str();
         if let Some(reason) = reason.filter(|reason| FAILED.contains(reason)) {
             let complaint = Complaint::of(&value["choices"][0].to_string());
-            return Err(match complaint.message.starts_with('{') {
-                true => Unreadable::Failed(reason.to_owned()),
-                false => Unreadable::Complaint(complaint.message),
+            return Err(if complaint.message.starts_with('{') {
+                Unreadable::Failed(reason.to_owned())
+            } else {
+                Unreadable::Complaint(complaint.message)
             });
         }
         let before = self.written();
@@ -232,9 +233,10 @@ impl Answer {
             other => self.called.push_str(&other.to_string()),
         }
         self.finish = finish(&choice["finish_reason"]).or(self.finish);
-        let usage = match value["usage"].is_object() {
-            true => &value["usage"],
-            false => &choice["usage"],
+        let usage = if value["usage"].is_object() {
+            &value["usage"]
+        } else {
+            &choice["usage"]
         };
         if usage.is_object() {
             self.usage.prompt_tokens = tokens(&usage["prompt_tokens"]);
@@ -338,9 +340,10 @@ const FAILED: [&str; 7] = [
 fn unwrapped(value: &Value) -> &Value {
     let has_answer = |inner: &&Value| inner["choices"].is_array() || inner["response"].is_string();
     let mut inner = ["data", "result"].into_iter().map(|name| &value[name]);
-    match value["choices"].is_null() {
-        true => inner.find(has_answer).unwrap_or(value),
-        false => value,
+    if value["choices"].is_null() {
+        inner.find(has_answer).unwrap_or(value)
+    } else {
+        value
     }
 }
 

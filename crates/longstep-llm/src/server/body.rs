@@ -54,9 +54,12 @@ pub(super) fn openai(model: &str, request: &ChatRequest, choice: Choice<'_>, for
         "reasoning_effort",
         choice.reasoning.and_then(Reasoning::effort),
     );
-    let format = choice.schema.map(|schema| match form.is_older {
-        true => json!({"type": "json_object", "schema": schema}),
-        false => json!({"type": "json_schema", "json_schema": {"name": "answer", "strict": true, "schema": schema}}),
+    let format = choice.schema.map(|schema| {
+        if form.is_older {
+            json!({"type": "json_object", "schema": schema})
+        } else {
+            json!({"type": "json_schema", "json_schema": {"name": "answer", "strict": true, "schema": schema}})
+        }
     });
     add(&mut body, "response_format", format);
     body.into()

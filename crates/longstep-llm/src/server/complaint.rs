@@ -90,9 +90,10 @@ impl Complaint {
             Ok(value) => complaint.read(&value, DEPTH, &mut said),
             Err(_) => complaint.hear(body, DEPTH, &mut said),
         }
-        complaint.message = match said.is_empty() {
-            true => body.to_owned(),
-            false => said.join(": "),
+        complaint.message = if said.is_empty() {
+            body.to_owned()
+        } else {
+            said.join(": ")
         };
         complaint
     }

@@ -197,9 +197,10 @@ impl<'a> Incoming<'a> {
     fn new(endpoint: &'a Endpoint, dialect: Dialect, max_tokens: u32) -> Self {
         Self {
             endpoint,
-            events: match dialect.is_native() {
-                true => EventReader::of_lines(),
-                false => EventReader::default(),
+            events: if dialect.is_native() {
+                EventReader::of_lines()
+            } else {
+                EventReader::default()
             },
             answer: Answer::new(endpoint.kind, limit::text_bytes(max_tokens)),
             bytes: 0,
@@ -280,22 +281,22 @@ impl<'a> Incoming<'a> {
             return Err(Failure::Unreachable(bad(self.endpoint, "its answer is empty")));
         }
         if !body.starts_with(['{', '[']) {
-            let reason = match body.starts_with('<') {
-                true => "it is a web page; the address of the API may end in `/v1`".to_owned(),
-                false => format!(
+            let reason = if body.starts_with('<') {
+                "it is a web page; the address of the API may end in `/v1`".to_owned()
+            } else {
+                format!(
                     "it is no stream of events: `{}`",
                     self.endpoint.one_line(&start_of(&body))
-                ),
+                )
             };
             return Err(Failure::Final(bad(self.endpoint, &reason)));
         }
         self.add_whole()?;
-        match self.answer.is_blank() && !self.answer.is_finished() {
-            true => {
-                let reason = format!("it has no message: `{}`", self.endpoint.one_line(&start_of(&body)));
-                Err(Failure::Final(bad(self.endpoint, &reason)))
-            }
-            false => self.received(),
+        if self.answer.is_blank() && !self.answer.is_finished() {
+            let reason = format!("it has no message: `{}`", self.endpoint.one_line(&start_of(&body)));
+            Err(Failure::Final(bad(self.endpoint, &reason)))
+        } else {
+            self.received()
         }
     }
 

@@ -32,9 +32,10 @@ impl DeltaText {
 
     /// Bytes of the text so far.
     pub(super) fn length(&self) -> usize {
-        match self.is_cumulative() {
-            true => self.last.len(),
-            false => self.appended.len(),
+        if self.is_cumulative() {
+            self.last.len()
+        } else {
+            self.appended.len()
         }
     }
 
@@ -46,10 +47,7 @@ impl DeltaText {
     pub(super) fn text(self) -> String {
         let may_be = self.is_growing && self.deltas > 1;
         let is_cumulative = self.is_cumulative() || may_be && object_text(&self.last).is_some();
-        match is_cumulative {
-            true => self.last,
-            false => self.appended,
-        }
+        if is_cumulative { self.last } else { self.appended }
     }
 
     /// True for many deltas that repeat each other. Equal deltas say nothing, such as a run of blanks.

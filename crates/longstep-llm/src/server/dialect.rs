@@ -146,9 +146,10 @@ impl Dialect {
 
     /// The address of chat requests.
     pub(super) fn chat_url(&self, endpoint: &Endpoint) -> String {
-        match self.native {
-            true => endpoint.beside("/api/chat"),
-            false => endpoint.chat_url().to_owned(),
+        if self.native {
+            endpoint.beside("/api/chat")
+        } else {
+            endpoint.chat_url().to_owned()
         }
     }
 
@@ -263,12 +264,11 @@ impl Dialect {
     /// The body of a request. Ollama's own API also sets the size of the context.
     pub(super) fn body(&self, model: &str, request: &ChatRequest, sampling: &Sampling, context: Option<u64>) -> Value {
         let merged;
-        let request = match self.system {
-            true => request,
-            false => {
-                merged = without_system(request);
-                &merged
-            }
+        let request = if self.system {
+            request
+        } else {
+            merged = without_system(request);
+            &merged
         };
         let schema = match &request.constraint {
             Constraint::JsonSchema(schema) if self.sends_schema() => Some(schema),

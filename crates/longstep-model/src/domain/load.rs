@@ -511,9 +511,10 @@ impl Loader<'_> {
         };
         let fitting = relation.arguments();
         if !fitting.contains(&arguments) {
-            let number = match fitting.start() == fitting.end() {
-                true => fitting.end().to_string(),
-                false => format!("{} or {}", fitting.start(), fitting.end()),
+            let number = if fitting.start() == fitting.end() {
+                fitting.end().to_string()
+            } else {
+                format!("{} or {}", fitting.start(), fitting.end())
             };
             let message =
                 format!("a state of the relation `{name}` has {number} argument(s) in parentheses, not {arguments}");

@@ -169,14 +169,13 @@ fn read(
     let (wanted, goals) = goal(&mut reader, sections, define, &names);
     begin_counters(domain, file, &wanted, &mut state, &mut notes);
     if let Some((position, message)) = other_domain {
-        match reader.findings.is_empty() {
-            true => notes.push(Diagnostic::at(file, position, format!("{message}; all its names fit"))),
-            false => {
-                // One sample is enough: the names of another domain are all unknown.
-                reader.findings.truncate(1);
-                let hint = "give the domain of this problem with `--domain`";
-                reader.report(position, message, hint);
-            }
+        if reader.findings.is_empty() {
+            notes.push(Diagnostic::at(file, position, format!("{message}; all its names fit")))
+        } else {
+            // One sample is enough: the names of another domain are all unknown.
+            reader.findings.truncate(1);
+            let hint = "give the domain of this problem with `--domain`";
+            reader.report(position, message, hint);
         }
     }
     let entity = |(name, kind): &(String, _)| Entity {
@@ -417,9 +416,10 @@ fn metric_notes(domain: &Domain, file: &str, sections: &[Expression]) -> Vec<Dia
     };
     let others = of_sections(sections, ":metric").filter(|(_, items)| !is_cost(items));
     let note = |(section, _): (&Expression, _)| {
-        let message = match domain.has_costs() {
-            true => "this metric is left out: a plan costs what its steps add to `(total-cost)`",
-            false => "this metric is left out: a plan costs as much as it has steps",
+        let message = if domain.has_costs() {
+            "this metric is left out: a plan costs what its steps add to `(total-cost)`"
+        } else {
+            "this metric is left out: a plan costs as much as it has steps"
         };
         Diagnostic::at(file, section.position, message)
     };

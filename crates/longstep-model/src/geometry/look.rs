@@ -148,15 +148,16 @@ pub fn look(domain: &Domain, scene: &Scene) -> Result<Look, LookError> {
 }
 
 fn assumption(name: &str, is_moved: bool) -> Assumed {
-    let (kind, text) = match is_moved {
-        true => (
+    let (kind, text) = if is_moved {
+        (
             Kind::Object,
             format!("{name} is an object: it is on, in or part of something, or held"),
-        ),
-        false => (
+        )
+    } else {
+        (
             Kind::Asset,
             format!("{name} is an asset: it is on nothing and in nothing"),
-        ),
+        )
     };
     Assumed {
         name: name.to_owned(),

@@ -337,9 +337,10 @@ impl<'a> Finder<'a> {
             }
             (None, None) => return,
         };
-        let (relation, word) = match open {
-            true => (Found::Open, "open"),
-            false => (Found::Closed, "closed"),
+        let (relation, word) = if open {
+            (Found::Open, "open")
+        } else {
+            (Found::Closed, "closed")
         };
         self.relate(index, relation, format!("{name} is {word}: {reason}"));
     }

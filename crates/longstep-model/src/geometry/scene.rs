@@ -235,17 +235,14 @@ impl Scene {
             let reason = full
                 .strip_suffix(&format!(" at line {line} column {}", error.column()))
                 .unwrap_or(&full);
-            let (message, hint) = match is_picture(text) {
-                true => (
-                    "boxes of a picture, in pixels, have no position and no size in space",
-                    "give each a `position` and a `size` in metres, from a depth camera for example, or pass the picture itself; see \
-                     docs/guide/seeing.md",
-                ),
-                false => (
-                    reason,
-                    "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/guide/seeing.md",
-                ),
-            };
+            let (message, hint) = if is_picture(text) { (
+                "boxes of a picture, in pixels, have no position and no size in space",
+                "give each a `position` and a `size` in metres, from a depth camera for example, or pass the picture itself; see \
+                 docs/guide/seeing.md",
+            ) } else { (
+                reason,
+                "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/guide/seeing.md",
+            ) };
             Diagnostics(vec![
                 Diagnostic::at(file, Position { line, column }, message).hint(hint),
             ])
@@ -257,9 +254,10 @@ impl Scene {
             findings: Vec::new(),
         };
         check.scene(&scene);
-        match check.findings.is_empty() {
-            true => Ok(scene.normalized()),
-            false => Err(Diagnostics::sorted(check.findings)),
+        if check.findings.is_empty() {
+            Ok(scene.normalized())
+        } else {
+            Err(Diagnostics::sorted(check.findings))
         }
     }
 

@@ -179,9 +179,10 @@ impl Top {
         let height = self.middle[2] - (self.up[0] * x + self.up[1] * y) / self.up[2];
         let footprint = solid.footprint();
         let whole = area(&footprint);
-        let share = match whole > 0.0 {
-            true => area(&clipped(&footprint, &self.corners)) / whole,
-            false => 0.0,
+        let share = if whole > 0.0 {
+            area(&clipped(&footprint, &self.corners)) / whole
+        } else {
+            0.0
         };
         (solid.low[2] - height, share.clamp(0.0, 1.0))
     }
@@ -238,9 +239,10 @@ fn distance(point: Point, from: Point, to: Point) -> f64 {
         [point[0] - from[0], point[1] - from[1]],
     );
     let length = edge[0] * edge[0] + edge[1] * edge[1];
-    let at = match length > 0.0 {
-        true => ((way[0] * edge[0] + way[1] * edge[1]) / length).clamp(0.0, 1.0),
-        false => 0.0,
+    let at = if length > 0.0 {
+        ((way[0] * edge[0] + way[1] * edge[1]) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
     };
     (way[0] - edge[0] * at).hypot(way[1] - edge[1] * at)
 }

@@ -109,13 +109,14 @@ impl Words {
     /// Creates the states of a text: one, or several with commas between them, as in `on_something(<desk>), open()`.
     pub fn of_text(text: String) -> Self {
         let parts = calls_with_commas(&text);
-        match parts.len() > 1
+        if parts.len() > 1
             && parts
                 .iter()
                 .all(|part| part.ends_with(')') && Call::parse(part).is_ok())
         {
-            true => Self::Many(parts),
-            false => Self::One(text),
+            Self::Many(parts)
+        } else {
+            Self::One(text)
         }
     }
 
@@ -199,9 +200,10 @@ impl Environment {
             Ok(value) => {
                 // Parsing the text again, rather than the value, keeps line and column in the errors.
                 let is_wrapped = value.get("environment").is_some();
-                let read = match is_wrapped {
-                    true => serde_json::from_str::<Wrapped>(text).map(|wrapped| wrapped.environment),
-                    false => serde_json::from_str(text),
+                let read = if is_wrapped {
+                    serde_json::from_str::<Wrapped>(text).map(|wrapped| wrapped.environment)
+                } else {
+                    serde_json::from_str(text)
                 };
                 Ok((read.map_err(|error| EnvironmentError::of_json(&error))?, is_wrapped))
             }
@@ -228,9 +230,10 @@ impl Environment {
         };
         let value = literal::json(&literal.node, &Path::default()).map_err(twice)?;
         let is_wrapped = value.get("environment").is_some();
-        let read = match is_wrapped {
-            true => serde_json::from_value::<Wrapped>(value).map(|wrapped| wrapped.environment),
-            false => serde_json::from_value(value),
+        let read = if is_wrapped {
+            serde_json::from_value::<Wrapped>(value).map(|wrapped| wrapped.environment)
+        } else {
+            serde_json::from_value(value)
         };
         Ok((read.map_err(|error| EnvironmentError::of_json(&error))?, is_wrapped))
     }

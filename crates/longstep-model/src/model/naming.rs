@@ -189,9 +189,10 @@ impl Voice {
         };
         let numbers: Vec<String> = shortfall.numbers.iter().map(number).collect();
         let requirement = self.requirement(world, &shortfall.test);
-        match numbers.is_empty() {
-            true => requirement,
-            false => format!("{requirement} ({})", numbers.join(", ")),
+        if numbers.is_empty() {
+            requirement
+        } else {
+            format!("{requirement} ({})", numbers.join(", "))
         }
     }
 }
@@ -214,9 +215,10 @@ pub fn fluent_text(world: &World, fluent: Fluent) -> String {
 /// Writes a difference between two states as a sentence for a person.
 pub fn change_text(world: &World, difference: Difference) -> String {
     let sentence = fact_text(world, difference.fact, difference.now_holds);
-    match difference.now_holds {
-        true => sentence,
-        false => format!("{sentence} any more"),
+    if difference.now_holds {
+        sentence
+    } else {
+        format!("{sentence} any more")
     }
 }
 

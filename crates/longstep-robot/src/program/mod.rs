@@ -47,9 +47,10 @@ impl CommandLine {
     /// An empty command, and a quote that does not end.
     pub fn parse(text: &str) -> Result<Self, CommandLineError> {
         let words = shlex::split(text).ok_or(CommandLineError::Incomplete)?;
-        match words.is_empty() {
-            true => Err(CommandLineError::Empty),
-            false => Ok(Self::new(words)),
+        if words.is_empty() {
+            Err(CommandLineError::Empty)
+        } else {
+            Ok(Self::new(words))
         }
     }
 

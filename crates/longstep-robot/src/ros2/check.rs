@@ -226,13 +226,14 @@ impl Checker<'_> {
         if let Some(skill) = hole.name.strip_prefix(SKILL) {
             if !action.skills.iter().any(|own| own.name == skill) {
                 let known: Vec<&str> = action.skills.iter().map(|own| own.name.as_str()).collect();
-                let message = match known.is_empty() {
-                    true => format!("`{}` has no skill parameters in domain.toml", action.name),
-                    false => format!(
+                let message = if known.is_empty() {
+                    format!("`{}` has no skill parameters in domain.toml", action.name)
+                } else {
+                    format!(
                         "`{}` has no skill parameter `{skill}`; it has {}",
                         action.name,
                         some_of(&known)
-                    ),
+                    )
                 };
                 self.report(span, &written, message);
             }
@@ -312,9 +313,10 @@ impl Checker<'_> {
             let message = format!("`{written}` is not written as `word(argument, ...)`");
             return self.report(&say.span, "", message);
         };
-        let expected = match say.is_fact {
-            true => self.fact_arguments(&call.name),
-            false => self.state_arguments(&call.name),
+        let expected = if say.is_fact {
+            self.fact_arguments(&call.name)
+        } else {
+            self.state_arguments(&call.name)
         };
         match expected {
             Err(known) => {

@@ -58,9 +58,10 @@ impl std::fmt::Debug for Connection {
 pub(super) fn addresses(url: &Url) -> Result<Vec<SocketAddr>, String> {
     let found = (url.host.as_str(), url.port).to_socket_addrs();
     let found: Vec<SocketAddr> = found.map_err(|error| error.to_string())?.collect();
-    match found.is_empty() {
-        true => Err("the host has no address".to_owned()),
-        false => Ok(found),
+    if found.is_empty() {
+        Err("the host has no address".to_owned())
+    } else {
+        Ok(found)
     }
 }
 

@@ -321,9 +321,10 @@ impl Link {
             let Some(connection) = &mut self.connection else {
                 return;
             };
-            let flushed = match connection.is_behind() {
-                true => connection.flush(),
-                false => Ok(()),
+            let flushed = if connection.is_behind() {
+                connection.flush()
+            } else {
+                Ok(())
             };
             match flushed.and_then(|()| connection.read()) {
                 Ok(Read::Nothing) => return,
@@ -440,11 +441,12 @@ impl Link {
 
     /// Fails for a message about a goal that was never sent.
     fn known(&self, id: &str, kind: &str) -> Result<(), RobotError> {
-        match id.starts_with(&self.prefix) {
-            true => Ok(()),
-            false => Err(broken(format!(
+        if id.starts_with(&self.prefix) {
+            Ok(())
+        } else {
+            Err(broken(format!(
                 "the bridge sent {kind} for `{id}`, which is no goal of this run"
-            ))),
+            )))
         }
     }
 

@@ -134,9 +134,10 @@ impl Mapping {
         let reason = || reason_of(rule, &end.values);
         let (consequence, how) = match end.status {
             Some(GoalStatus::Succeeded) => {
-                return match rule.done.holds(&end.values) {
-                    true => self.done(rule, order, &end.values),
-                    false => Ok(Progress::Failed { reason: reason() }),
+                return if rule.done.holds(&end.values) {
+                    self.done(rule, order, &end.values)
+                } else {
+                    Ok(Progress::Failed { reason: reason() })
                 };
             }
             Some(GoalStatus::Aborted) => (rule.aborted, "aborted"),

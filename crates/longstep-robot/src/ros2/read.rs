@@ -176,9 +176,10 @@ impl Reader<'_> {
         let Some(rest) = written.strip_prefix("ws://") else {
             let message = format!("`{}` is no URL of a bridge", secret::address(written));
             let mut finding = self.source.finding(&text.span(), written, message);
-            finding = finding.hint(match written.starts_with("wss://") {
-                true => "encrypted connections are not supported; use `ws://` through a tunnel such as `ssh -L`",
-                false => "for example `ws://127.0.0.1:9090`",
+            finding = finding.hint(if written.starts_with("wss://") {
+                "encrypted connections are not supported; use `ws://` through a tunnel such as `ssh -L`"
+            } else {
+                "for example `ws://127.0.0.1:9090`"
             });
             self.findings.push(finding);
             return None;
@@ -196,9 +197,10 @@ impl Reader<'_> {
                 written: format!("ws://{host}:{port}/{path}"),
             }),
             _ => {
-                let message = match rest.contains('@') {
-                    true => "has a user or a password, which bridges do not know",
-                    false => "has no host, or a wrong port",
+                let message = if rest.contains('@') {
+                    "has a user or a password, which bridges do not know"
+                } else {
+                    "has no host, or a wrong port"
                 };
                 let message = format!("`{}` {message}", secret::address(written));
                 let finding = self.source.finding(&text.span(), written, message);

@@ -94,9 +94,10 @@ impl Stopping {
             }
             Incoming::Published { topic, message } if self.is_new => {
                 if let Some(server) = topic.strip_suffix("/_action/status") {
-                    match has_no_active_goal(message) {
-                        true => self.clear(server),
-                        false => drop(self.active.insert(server.to_owned())),
+                    if has_no_active_goal(message) {
+                        self.clear(server);
+                    } else {
+                        self.active.insert(server.to_owned());
                     }
                 }
             }

@@ -57,9 +57,12 @@ pub fn trials(configuration: Configuration, domain: &Domain, world: Option<&Worl
     }
     for (server, kind) in robot.mapping.configuration.servers() {
         let found = robot.find_server(server, kind);
-        let says = |is_sure| match is_sure {
-            true => format!("answers, {kind}"),
-            false => format!("answers; the bridge does not say if its type is {kind}"),
+        let says = |is_sure| {
+            if is_sure {
+                format!("answers, {kind}")
+            } else {
+                format!("answers; the bridge does not say if its type is {kind}")
+            }
         };
         trials.push(Trial {
             subject: server.to_owned(),

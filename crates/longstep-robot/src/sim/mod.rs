@@ -138,9 +138,10 @@ impl Sim {
     }
 
     fn check(&self) -> Result<(), RobotError> {
-        match self.stopped.load(Ordering::SeqCst) {
-            true => Err(RobotError::Stopped),
-            false => Ok(()),
+        if self.stopped.load(Ordering::SeqCst) {
+            Err(RobotError::Stopped)
+        } else {
+            Ok(())
         }
     }
 

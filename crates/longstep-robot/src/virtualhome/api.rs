@@ -211,9 +211,10 @@ impl Simulator {
             ..Request::new("render_script", &[], &texts, limit)
         };
         let answer = self.request(&request)?;
-        Ok(match answer.success {
-            true => Ok(()),
-            false => Err(reason(&answer.message)),
+        Ok(if answer.success {
+            Ok(())
+        } else {
+            Err(reason(&answer.message))
         })
     }
 
@@ -244,9 +245,10 @@ impl Simulator {
     /// Sends a request that must succeed.
     fn accepted(&self, method: &str, request: &Request<'_>) -> Result<Answer, RobotError> {
         let answer = self.request(request)?;
-        match answer.success {
-            true => Ok(answer),
-            false => Err(refused(method, &reason(&answer.message))),
+        if answer.success {
+            Ok(answer)
+        } else {
+            Err(refused(method, &reason(&answer.message)))
         }
     }
 

@@ -33,9 +33,10 @@ pub fn environment(graph: &Graph, rooms: &[String]) -> Environment {
     let kept = scene.kept(rooms);
     let (mut assets, mut objects) = (Part::default(), Part::default());
     for node in graph.nodes.iter().filter(|node| kept.contains(&node.id)) {
-        let part = match node.can("GRABBABLE") {
-            true => &mut objects,
-            false => &mut assets,
+        let part = if node.can("GRABBABLE") {
+            &mut objects
+        } else {
+            &mut assets
         };
         part.add(node, scene.placed(node, &kept));
     }
@@ -150,13 +151,15 @@ fn conditions(node: &Node) -> impl Iterator<Item = &'static str> {
 }
 
 fn properties(node: &Node) -> Vec<&'static str> {
-    let mut words = vec![match node.can("CAN_OPEN") {
-        true => "IS_OPENABLE",
-        false => "NOT_OPENABLE",
+    let mut words = vec![if node.can("CAN_OPEN") {
+        "IS_OPENABLE"
+    } else {
+        "NOT_OPENABLE"
     }];
-    words.push(match node.can("HAS_SWITCH") {
-        true => "HAS_SWITCH",
-        false => "NO_SWITCH",
+    words.push(if node.can("HAS_SWITCH") {
+        "HAS_SWITCH"
+    } else {
+        "NO_SWITCH"
     });
     if node.can("RECIPIENT") || node.can("DRINKABLE") {
         words.push("RECIPIENT");

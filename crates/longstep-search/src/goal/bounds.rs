@@ -145,9 +145,12 @@ impl Bounds {
             }
         }
         let is_negative = |node: usize| least[node][node].is_some_and(|sum| sum < 0);
-        let is_fixed = |(first, second, value): &(usize, usize, i128)| match first == second {
-            true => *value == 0,
-            false => least[*first][*second] == Some(*value) && least[*second][*first] == Some(-value),
+        let is_fixed = |(first, second, value): &(usize, usize, i128)| {
+            if first == second {
+                *value == 0
+            } else {
+                least[*first][*second] == Some(*value) && least[*second][*first] == Some(-value)
+            }
         };
         (0..count).any(is_negative) || self.not.iter().any(is_fixed)
     }

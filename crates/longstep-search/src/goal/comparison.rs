@@ -142,9 +142,10 @@ impl From<NumberGoal> for GoalFact {
 /// after the parenthesis of the call, or after a name without one.
 fn written<'t>(domain: &Domain, part: &'t str) -> Option<Written<'t>> {
     let name_end = part.find(|c: char| !(c.is_alphanumeric() || matches!(c, '_' | '-')))?;
-    let left_end = match part[name_end..].trim_start().starts_with('(') {
-        true => part.find(')')? + 1,
-        false => name_end,
+    let left_end = if part[name_end..].trim_start().starts_with('(') {
+        part.find(')')? + 1
+    } else {
+        name_end
     };
     let call = Call::parse(&part[..left_end]).ok()?;
     let rest = part[left_end..].trim_start();

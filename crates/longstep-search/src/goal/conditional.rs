@@ -154,9 +154,10 @@ impl Conditional {
         } else {
             let outcomes = domain.outcomes(self.condition);
             let case = |outcome: Fact| {
-                let (wanted, unwanted) = match outcome == self.condition {
-                    true => (&self.then, &not_otherwise),
-                    false => (&self.otherwise, &not_then),
+                let (wanted, unwanted) = if outcome == self.condition {
+                    (&self.then, &not_otherwise)
+                } else {
+                    (&self.otherwise, &not_then)
                 };
                 let mut parts = vec![joined.known(outcome)];
                 parts.extend(joined.all(wanted));
@@ -185,10 +186,13 @@ impl Conditional {
         let elsewhere = others.iter().filter(|other| **other != own).flat_map(GoalFact::parts);
         let mentioned: Vec<&GoalFact> = elsewhere.chain(wanted).collect();
         let looked_at: Vec<EntityId> = domain.arguments(self.condition).collect();
-        let is_free = |thing: &EntityId| match looked_at.contains(thing) {
-            // An inspected entity may be a place in another goal.
-            true => !mentioned.iter().any(|fact| fact.may_move(domain, *thing)),
-            false => !mentioned.iter().any(|fact| fact.about(domain).contains(thing)),
+        let is_free = |thing: &EntityId| {
+            if looked_at.contains(thing) {
+                // An inspected entity may be a place in another goal.
+                !mentioned.iter().any(|fact| fact.may_move(domain, *thing))
+            } else {
+                !mentioned.iter().any(|fact| fact.about(domain).contains(thing))
+            }
         };
         let slots = (0..bindings.len()).filter(|slot| bindings[..*slot].iter().all(|other| *other != bindings[*slot]));
         let alone = slots.filter(|slot| is_free(&bindings[*slot]));

@@ -92,10 +92,11 @@ impl Literals {
         let mut rules = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
         rules.any(|rule| {
             let is_numeric = rule.condition.numbers().next().is_some();
-            let instances = match is_numeric && !self.tests.is_empty() {
-                true => all_bindings(world, rule),
+            let instances = if is_numeric && !self.tests.is_empty() {
+                all_bindings(world, rule)
+            } else {
                 // A rule that is false in every such state is false in the one with the fewest facts.
-                false => broken_bindings(rule, world, &least),
+                broken_bindings(rule, world, &least)
             };
             instances.iter().any(|bindings| self.denies(world, rule, bindings))
         })

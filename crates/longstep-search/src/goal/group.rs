@@ -335,9 +335,10 @@ impl Group {
             .iter()
             .map(|entity| voice.name(world, *entity))
             .collect();
-        match exceptions.is_empty() {
-            true => text,
-            false => format!("{text} except {}", exceptions.join(", ")),
+        if exceptions.is_empty() {
+            text
+        } else {
+            format!("{text} except {}", exceptions.join(", "))
         }
     }
 
@@ -512,9 +513,10 @@ impl Selector {
             arguments,
             holds,
         };
-        match own.literals(world.domain()).is_empty() {
-            true => Err(unknown()),
-            false => Ok(own),
+        if own.literals(world.domain()).is_empty() {
+            Err(unknown())
+        } else {
+            Ok(own)
         }
     }
 
@@ -570,9 +572,10 @@ impl Selector {
     fn written(&self, name: &dyn Fn(EntityId) -> String) -> String {
         let not = if self.holds { "" } else { NOT };
         let arguments: Vec<String> = self.arguments.iter().map(|entity| name(*entity)).collect();
-        match arguments.is_empty() {
-            true => format!("{not}{}", self.word),
-            false => format!("{not}{}({})", self.word, arguments.join(", ")),
+        if arguments.is_empty() {
+            format!("{not}{}", self.word)
+        } else {
+            format!("{not}{}({})", self.word, arguments.join(", "))
         }
     }
 

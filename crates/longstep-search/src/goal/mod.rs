@@ -455,9 +455,12 @@ impl Goal {
     }
 
     fn written(&self, fact: impl Fn(&GoalFact) -> String, constraint: impl Fn(&Constraint) -> String) -> Vec<String> {
-        let stage = |(index, own): (usize, &GoalFact)| match self.stages.contains(&index) {
-            true => format!("{STAGE}{}", fact(own)),
-            false => fact(own),
+        let stage = |(index, own): (usize, &GoalFact)| {
+            if self.stages.contains(&index) {
+                format!("{STAGE}{}", fact(own))
+            } else {
+                fact(own)
+            }
         };
         let facts = self.facts.iter().enumerate().map(stage);
         facts.chain(self.constraints.iter().map(constraint)).collect()
@@ -500,9 +503,10 @@ impl Goal {
     pub fn purpose(&self, world: &World) -> Purpose {
         let domain = world.domain();
         let all: Vec<Wanted> = self.facts.iter().map(|fact| fact.wanted(domain, &self.facts)).collect();
-        let stages = match self.stages.is_empty() {
-            true => Vec::new(),
-            false => self.milestones(world, &all),
+        let stages = if self.stages.is_empty() {
+            Vec::new()
+        } else {
+            self.milestones(world, &all)
         };
         let nothing = || Wanted {
             condition: Condition::TRUE,

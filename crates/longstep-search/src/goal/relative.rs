@@ -38,9 +38,10 @@ impl<'t> Change<'t> {
     /// Returns the changed amount. `unit` is that in which the amount is written. None if the change has another unit, or the
     /// result is too large.
     pub(super) fn of(&self, now: Number, unit: &str) -> Option<Number> {
-        match self.unit.is_empty() || self.unit == unit {
-            true => self.changed(now, Number::from(1)),
-            false => None,
+        if self.unit.is_empty() || self.unit == unit {
+            self.changed(now, Number::from(1))
+        } else {
+            None
         }
     }
 
@@ -56,9 +57,10 @@ impl<'t> Change<'t> {
     fn of_quantity(&self, domain: &Domain, form: &QuantityForm, now: &str) -> Option<String> {
         let now = domain.value(now)?.ok()?.number?;
         let own = form.units.iter().find(|(unit, _)| *unit == self.unit);
-        let factor = match self.unit.is_empty() {
-            true => Number::from(1),
-            false => own.map(|(_, factor)| *factor)?,
+        let factor = if self.unit.is_empty() {
+            Number::from(1)
+        } else {
+            own.map(|(_, factor)| *factor)?
         };
         Some(form.written(self.changed(now, factor)?))
     }

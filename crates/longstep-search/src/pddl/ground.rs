@@ -236,20 +236,24 @@ impl<'a> Writer<'a> {
 
     fn literal(&self, literal: Literal) -> String {
         let name = &self.facts[literal.fact as usize];
-        match literal.holds {
-            true => format!("({name})"),
-            false => format!("(not ({name}))"),
+        if literal.holds {
+            format!("({name})")
+        } else {
+            format!("(not ({name}))")
         }
     }
 
     fn effects(&self, operator: &Operator) -> String {
-        let effect = |effect: &GroundEffect| match effect.condition.is_true() {
-            true => self.literal(effect.literal),
-            false => format!(
-                "(when {} {})",
-                self.formula(&effect.condition, true),
+        let effect = |effect: &GroundEffect| {
+            if effect.condition.is_true() {
                 self.literal(effect.literal)
-            ),
+            } else {
+                format!(
+                    "(when {} {})",
+                    self.formula(&effect.condition, true),
+                    self.literal(effect.literal)
+                )
+            }
         };
         let effects: Vec<String> = operator.effects.iter().map(effect).collect();
         effects.join(" ")

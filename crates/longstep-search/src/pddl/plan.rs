@@ -56,9 +56,12 @@ pub fn author_of_plan(domain: &Domain, text: &str) -> Option<Author> {
     let is_empty_plan = filled == 0 && text.contains(';');
     let is_plan = is_empty_plan || lines.steps.iter().any(known) || (steps > 0 && 2 * steps > filled);
     let is_call = |line: &Line| line.form == Form::Call && line.start.is_none();
-    is_plan.then(|| match steps > 0 && lines.steps.iter().all(is_call) {
-        true => Author::Anybody,
-        false => Author::Planner,
+    is_plan.then(|| {
+        if steps > 0 && lines.steps.iter().all(is_call) {
+            Author::Anybody
+        } else {
+            Author::Planner
+        }
     })
 }
 

@@ -203,9 +203,10 @@ impl<'a> Reader<'a> {
             None => return self.bare(start, is_counted || is_listed, is_action, forms),
         };
         let words = self.words(inside, &[]);
-        match words.is_empty() {
-            true => Found::Misfit(position),
-            false => self.step(Form::Bracketed, words, start, behind),
+        if words.is_empty() {
+            Found::Misfit(position)
+        } else {
+            self.step(Form::Bracketed, words, start, behind)
         }
     }
 
@@ -232,13 +233,12 @@ impl<'a> Reader<'a> {
             }
             let is_joined = self.rest[name.len()..].starts_with('(');
             let is_whole = is_joined && behind.trim_matches(['`', '"', '\'', ';', ',', '.', ' ']).is_empty();
-            return match may_be(Form::Call, is_whole) {
-                true => {
-                    let inside = &self.rest[..self.rest.len() - behind.len() - 1];
-                    let words = self.words(inside, &['(', ',', ')']);
-                    self.step(Form::Call, words, start, behind)
-                }
-                false => Found::Nothing,
+            return if may_be(Form::Call, is_whole) {
+                let inside = &self.rest[..self.rest.len() - behind.len() - 1];
+                let words = self.words(inside, &['(', ',', ')']);
+                self.step(Form::Call, words, start, behind)
+            } else {
+                Found::Nothing
             };
         }
         let (words, cost) = match self.rest.rsplit_once('(') {

@@ -52,9 +52,10 @@ pub fn write_problem(world: &World, purpose: &Purpose, name: &str) -> Result<Str
 
 pub(super) fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
     let spent = effort::within(EFFORT, write);
-    match spent.exhausted {
-        true => Err(WriteError::TooLarge),
-        false => Ok(spent.result),
+    if spent.exhausted {
+        Err(WriteError::TooLarge)
+    } else {
+        Ok(spent.result)
     }
 }
 

@@ -335,9 +335,10 @@ impl Reasons<'_> {
 
     fn for_dropping(&self, draft: &Resolved, index: usize, at: usize, reason: Reason) -> String {
         let missing = self.draft_lacks(draft, index, at, None);
-        let needs = match missing.is_empty() {
-            true => String::new(),
-            false => format!(": it needs that {}", missing.join(", and that ")),
+        let needs = if missing.is_empty() {
+            String::new()
+        } else {
+            format!(": it needs that {}", missing.join(", and that "))
         };
         match reason {
             Reason::Unknown => {

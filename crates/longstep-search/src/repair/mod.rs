@@ -215,9 +215,10 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
         },
         Found::Nothing => RepairOutcome::ProvenUnsolvable { expanded },
         Found::Limit => RepairOutcome::GaveUp {
-            why: match exhausted {
-                true => format!("no repair found in {expanded} states, which took all the work that a search may take"),
-                false => format!("no repair found in {expanded} states"),
+            why: if exhausted {
+                format!("no repair found in {expanded} states, which took all the work that a search may take")
+            } else {
+                format!("no repair found in {expanded} states")
             },
             expanded,
         },
@@ -259,9 +260,10 @@ impl Search<'_> {
         let near = whole.around(self.world, requirements, about, false);
         // In a small world, the first search would save nothing.
         let small = 2 * near.len() >= whole.len();
-        let mut best = match small {
-            true => Found::Limit,
-            false => self.within(&near, limit, None),
+        let mut best = if small {
+            Found::Limit
+        } else {
+            self.within(&near, limit, None)
         };
         if !whole.is_bearable(self.world) {
             if !matches!(best, Found::Path(_)) {
@@ -292,10 +294,7 @@ impl Search<'_> {
     fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
         let spent = effort::within(SEARCH_EFFORT, || self.way_within(scope, limit, below));
         self.exhausted |= spent.exhausted;
-        match spent.exhausted {
-            true => Found::Limit,
-            false => spent.result,
-        }
+        if spent.exhausted { Found::Limit } else { spent.result }
     }
 
     fn way_within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {

@@ -38,9 +38,10 @@ fn written(calls: &[&str]) -> TaskCohesion {
 fn claim(world: &World, entries: &[(&str, &str)]) -> Option<Claim> {
     let mut environment = world.environment().clone();
     for (identifier, word) in entries {
-        let states = match environment.assets.iter().any(|asset| asset == identifier) {
-            true => &mut environment.asset_states,
-            false => &mut environment.object_states,
+        let states = if environment.assets.iter().any(|asset| asset == identifier) {
+            &mut environment.asset_states
+        } else {
+            &mut environment.object_states
         };
         states.insert(
             (*identifier).to_owned(),

@@ -18,10 +18,7 @@ const LONGEST: usize = 60;
 /// sequence is returned unchanged, as it is when the budget is exhausted.
 pub fn spread(world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> VerifiedPlan {
     let spent = effort::within(effort::OPERATION, || spread_within(world, plan, purpose));
-    match spent.exhausted {
-        true => plan.clone(),
-        false => spent.result,
-    }
+    if spent.exhausted { plan.clone() } else { spent.result }
 }
 
 fn spread_within(world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> VerifiedPlan {

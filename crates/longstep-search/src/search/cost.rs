@@ -33,9 +33,10 @@ pub(super) fn price(world: &World, task: &mut Task) -> Result<Costs, String> {
     }
     let mut costs: Vec<u64> = Vec::with_capacity(task.operators.len());
     for operator in &task.operators {
-        let cost = match operator.is_mark {
-            true => Number::ZERO,
-            false => fixed(world, &operator.step)?,
+        let cost = if operator.is_mark {
+            Number::ZERO
+        } else {
+            fixed(world, &operator.step)?
         };
         costs.push(cost.millionths().unsigned_abs());
     }

@@ -130,9 +130,10 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Straight {
     }
     let expanded = runs.expanded;
     Straight::GaveUp {
-        why: match runs.exhausted {
-            true => format!("no plan found in {expanded} states, which took all the work that a search may take"),
-            false => format!("no plan found in {expanded} states"),
+        why: if runs.exhausted {
+            format!("no plan found in {expanded} states, which took all the work that a search may take")
+        } else {
+            format!("no plan found in {expanded} states")
         },
         expanded,
     }

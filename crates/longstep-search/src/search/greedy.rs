@@ -147,9 +147,10 @@ impl<'a> Lazy<'a> {
                 self.expand(&mut run, number);
             }
             let Some(entry) = run.pop() else {
-                let found = match effort::is_exhausted() {
-                    true => Found::Limit,
-                    false => Found::Nothing,
+                let found = if effort::is_exhausted() {
+                    Found::Limit
+                } else {
+                    Found::Nothing
                 };
                 return (found, evaluated);
             };
@@ -218,9 +219,10 @@ impl Run<'_> {
         {
             return Some(entry);
         }
-        let (first, second) = match self.preferred.turns <= self.all.turns {
-            true => (&mut self.preferred, &mut self.all),
-            false => (&mut self.all, &mut self.preferred),
+        let (first, second) = if self.preferred.turns <= self.all.turns {
+            (&mut self.preferred, &mut self.all)
+        } else {
+            (&mut self.all, &mut self.preferred)
         };
         if let Some(entry) = first.pop() {
             first.turns += 1;

@@ -119,12 +119,13 @@ pub(crate) fn ground_task(world: &World, purpose: &Purpose) -> (Task, Vec<Option
 /// Finds a shortest plan without sensing.
 fn straight(world: &World, target: &Target, limits: &Limits) -> Straight {
     let spent = effort::within(limits.effort.units(), || straight_within(world, target, limits));
-    match spent.exhausted {
-        true => Straight::GaveUp {
+    if spent.exhausted {
+        Straight::GaveUp {
             why: TOO_MUCH.to_owned(),
             expanded: spent.result.expanded(),
-        },
-        false => spent.result,
+        }
+    } else {
+        spent.result
     }
 }
 
@@ -133,13 +134,14 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
     let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
     let around = |far: &bool| whole.around(world, &requirements, &about, *far);
-    let scopes = match whole.is_bearable(world) {
-        true => vec![whole],
-        false => [false, true]
+    let scopes = if whole.is_bearable(world) {
+        vec![whole]
+    } else {
+        [false, true]
             .iter()
             .map(around)
             .filter(|scope| scope.is_bearable(world))
-            .collect(),
+            .collect()
     };
     let mut looked_at = 0;
     for scope in scopes {

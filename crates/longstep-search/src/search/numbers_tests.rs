@@ -114,9 +114,12 @@ impl Case {
             changes: (0..1 + draw.below(3))
                 .map(|_| change(draw, 2, &[Who::A, Who::B, Who::X]))
                 .collect(),
-            cost: (has_costs && !draw.one_in(4)).then(|| match draw.one_in(2) {
-                true => Value::Rate(Who::X),
-                false => Value::Plain(draw.below(5) as i64 * 250_000),
+            cost: (has_costs && !draw.one_in(4)).then(|| {
+                if draw.one_in(2) {
+                    Value::Rate(Who::X)
+                } else {
+                    Value::Plain(draw.below(5) as i64 * 250_000)
+                }
             }),
         };
         let schemas: Vec<Schema> = (0..1 + draw.below(3)).map(|_| schema(draw)).collect();
@@ -404,10 +407,13 @@ fn test(draw: &mut Draw, depth: usize, scope: &[Who]) -> Test {
         1 => Test::Compare(comparison(draw), value(draw, 1, scope), value(draw, 1, scope)),
         2 | 3 => Test::Compare(comparison(draw), value(draw, 0, scope), Value::Plain(plain(draw))),
         4 | 5 => Test::All(parts(draw)),
-        6 => match draw.one_in(2) {
-            true => Test::Any(parts(draw)),
-            false => Test::Not(Box::new(test(draw, depth - 1, scope))),
-        },
+        6 => {
+            if draw.one_in(2) {
+                Test::Any(parts(draw))
+            } else {
+                Test::Not(Box::new(test(draw, depth - 1, scope)))
+            }
+        }
         _ if scope.iter().any(|who| matches!(who, Who::Y)) => Test::Any(parts(draw)),
         _ => {
             let inner: Vec<Who> = scope.iter().copied().chain([Who::Y, Who::Y]).collect();
@@ -423,9 +429,10 @@ fn change(draw: &mut Draw, depth: usize, scope: &[Who]) -> Change {
             let kind = ["assign", "increase", "increase", "decrease", "decrease"][draw.below(5) as usize];
             let who = (!draw.one_in(3)).then(|| pick(draw, scope));
             // Mostly constant, as numbers in robots' domains are.
-            let value = match draw.one_in(3) {
-                true => value(draw, 1, scope),
-                false => Value::Plain(plain(draw)),
+            let value = if draw.one_in(3) {
+                value(draw, 1, scope)
+            } else {
+                Value::Plain(plain(draw))
             };
             Change::Number(kind, who, value)
         }

@@ -139,12 +139,11 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
 
 /// Returns the condition of each goal, whether or not it must last.
 fn conditions(purpose: &Purpose) -> Vec<Wanted> {
-    match purpose.stages.is_empty() {
-        true => purpose.wanted.clone(),
-        false => {
-            let stages = purpose.stages.iter().flatten();
-            stages.map(|milestone| milestone.wanted.clone()).collect()
-        }
+    if purpose.stages.is_empty() {
+        purpose.wanted.clone()
+    } else {
+        let stages = purpose.stages.iter().flatten();
+        stages.map(|milestone| milestone.wanted.clone()).collect()
     }
 }
 
@@ -261,9 +260,10 @@ fn prevented(world: &World, fact: Fact) -> Option<Missing> {
                 if let Some((atom, holds)) = denied.first().copied()
                     && best.as_ref().is_none_or(|(fewest, _)| denied.len() < *fewest)
                 {
-                    let missing = match holds && is_open(world, atom, &arguments) {
-                        true => Missing::Any(atom.predicate),
-                        false => Missing::Fact(ground(atom, &choice), holds),
+                    let missing = if holds && is_open(world, atom, &arguments) {
+                        Missing::Any(atom.predicate)
+                    } else {
+                        Missing::Fact(ground(atom, &choice), holds)
                     };
                     best = Some((denied.len(), missing));
                 }

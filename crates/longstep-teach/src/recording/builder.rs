@@ -84,9 +84,10 @@ impl Builder {
     }
 
     fn count(&self) -> Result<(), ReadError> {
-        match self.recording.frames.len() + self.named.len() >= FRAMES {
-            true => Err(self.error(format!("more than {FRAMES} frames"))),
-            false => Ok(()),
+        if self.recording.frames.len() + self.named.len() >= FRAMES {
+            Err(self.error(format!("more than {FRAMES} frames")))
+        } else {
+            Ok(())
         }
     }
 

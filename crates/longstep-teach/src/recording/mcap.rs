@@ -100,9 +100,10 @@ impl Messages<'_> {
                 _ => {}
             }
         }
-        match is_outside {
-            true => Err(self.error("it ends without its last record; `mcap recover` mends a file that was cut")),
-            false => Ok(()),
+        if is_outside {
+            Err(self.error("it ends without its last record; `mcap recover` mends a file that was cut"))
+        } else {
+            Ok(())
         }
     }
 

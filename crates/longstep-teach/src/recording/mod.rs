@@ -147,11 +147,12 @@ impl Demonstration {
             return Err(error("no frames".to_owned()));
         };
         let length = last.time - first.time;
-        match length > LONGEST {
-            true => Err(error(format!(
+        if length > LONGEST {
+            Err(error(format!(
                 "the recording lasts {length:.0} s, more than a day; `t` is in seconds"
-            ))),
-            false => Ok(recording),
+            )))
+        } else {
+            Ok(recording)
         }
     }
 }

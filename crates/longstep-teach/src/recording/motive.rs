@@ -112,14 +112,15 @@ impl Heading {
             return Err("the heading of Motive is too short".to_owned());
         };
         let bodies = bodies(names, properties, axes);
-        match bodies.is_empty() {
-            true => Err("the heading of Motive has no columns `Position`; export positions".to_owned()),
-            false => Ok(Self {
+        if bodies.is_empty() {
+            Err("the heading of Motive has no columns `Position`; export positions".to_owned())
+        } else {
+            Ok(Self {
                 metres,
                 is_z_up,
                 time: 1,
                 bodies,
-            }),
+            })
         }
     }
 
@@ -152,10 +153,7 @@ impl Heading {
 
     /// Turns a vector so that z is up and y forward.
     fn turned(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
-        match self.is_z_up {
-            true => [x, y, z],
-            false => [x, -z, y],
-        }
+        if self.is_z_up { [x, y, z] } else { [x, -z, y] }
     }
 }
 

@@ -163,9 +163,10 @@ impl Row {
             [None, None, None, None] => Ok(None),
             [Some(x), Some(y), Some(z), Some(w)] => {
                 let length = [x, y, z, w].iter().map(|part| part * part).sum::<f64>().sqrt();
-                match (length - 1.0).abs() < 0.01 {
-                    true => Ok(Some([x, y, z, w])),
-                    false => Err(format!("the quaternion has the length {length}, not 1")),
+                if (length - 1.0).abs() < 0.01 {
+                    Ok(Some([x, y, z, w]))
+                } else {
+                    Err(format!("the quaternion has the length {length}, not 1"))
                 }
             }
             _ => Err("`qx`, `qy`, `qz` and `qw` belong together".to_owned()),
@@ -177,21 +178,23 @@ fn coordinate(name: &str, value: f64) -> Result<f64, String> {
     if !value.is_finite() {
         return Err(format!("`{name}` is {value}"));
     }
-    match value.abs() <= FARTHEST {
-        true => Ok(value),
-        false => Err(format!(
+    if value.abs() <= FARTHEST {
+        Ok(value)
+    } else {
+        Err(format!(
             "`{name}` is {value}, farther than {FARTHEST} m; positions are in metres"
-        )),
+        ))
     }
 }
 
 fn plain(name: &str, value: &str) -> Result<String, String> {
     let is_plain = value.chars().all(|c| c.is_alphanumeric() || "_-./ ".contains(c));
-    match is_plain && value.chars().count() <= CHARACTERS {
-        true => Ok(value.to_owned()),
-        false => Err(format!(
+    if is_plain && value.chars().count() <= CHARACTERS {
+        Ok(value.to_owned())
+    } else {
+        Err(format!(
             "`{name}` is `{}`; it has at most {CHARACTERS} letters, digits and `_-./`",
             shortened(value)
-        )),
+        ))
     }
 }

@@ -17,9 +17,10 @@ pub(super) fn read(bytes: &[u8], builder: &mut Builder) -> Result<(), ReadError>
         return read_columns(rest, *separator, builder);
     }
     let separator = separator(first);
-    match motive::is_heading(first) {
-        true => motive::read(bytes, separator, builder),
-        false => read_columns(bytes, separator, builder),
+    if motive::is_heading(first) {
+        motive::read(bytes, separator, builder)
+    } else {
+        read_columns(bytes, separator, builder)
     }
 }
 
@@ -75,11 +76,11 @@ impl Columns {
         }
         own.poses
             .retain(|(_, columns)| columns.iter().any(|(_, number)| *number == Number::X));
-        match own.poses.is_empty() {
-            true => own
-                .check_own(&names, &unknown)
-                .map_err(|message| builder.whole_error(message))?,
-            false => others.extend(unknown),
+        if own.poses.is_empty() {
+            own.check_own(&names, &unknown)
+                .map_err(|message| builder.whole_error(message))?
+        } else {
+            others.extend(unknown)
         }
         own.add_grip(&grips, builder)?;
         own.check_twice(&names)
@@ -113,12 +114,13 @@ impl Columns {
                 listed(&all)
             ));
         }
-        match unknown.is_empty() {
-            true => Ok(()),
-            false => Err(format!(
+        if unknown.is_empty() {
+            Ok(())
+        } else {
+            Err(format!(
                 "unknown column {}; rename it to one of the columns of a recording, or take it out",
                 listed(unknown)
-            )),
+            ))
         }
     }
 

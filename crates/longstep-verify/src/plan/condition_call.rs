@@ -83,9 +83,10 @@ impl Resolver<'_> {
             return Some(Meaning::Holds(atom, arity));
         }
         let near = fuzzy_names::action(domain, name, count)?;
-        Some(match domain.action(near).senses.is_empty() {
-            true => Meaning::Acts,
-            false => Meaning::Senses,
+        Some(if domain.action(near).senses.is_empty() {
+            Meaning::Acts
+        } else {
+            Meaning::Senses
         })
     }
 

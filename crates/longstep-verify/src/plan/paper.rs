@@ -321,9 +321,10 @@ impl TaskCohesion {
         let objects = std::mem::take(&mut written.objects);
         Self {
             task_sequence: written.steps.iter().map(|step| step.call.to_string()).collect(),
-            step_instructions: match explained {
-                true => written.steps.into_iter().map(|step| step.explanation).collect(),
-                false => Vec::new(),
+            step_instructions: if explained {
+                written.steps.into_iter().map(|step| step.explanation).collect()
+            } else {
+                Vec::new()
             },
             ..Self::handling(objects)
         }
@@ -343,9 +344,10 @@ impl TaskCohesion {
             Ok(WrittenStep {
                 call: Call::parse(text)?,
                 implicit: Vec::new(),
-                explanation: match explained {
-                    true => self.step_instructions[index].clone(),
-                    false => String::new(),
+                explanation: if explained {
+                    self.step_instructions[index].clone()
+                } else {
+                    String::new()
                 },
             })
         };

@@ -378,9 +378,10 @@ impl Resolver<'_> {
             return Some(given);
         }
         for (name, _) in unknown {
-            let parameters = match open.is_empty() {
-                true => action.implicit().collect(),
-                false => open.clone(),
+            let parameters = if open.is_empty() {
+                action.implicit().collect()
+            } else {
+                open.clone()
             };
             let known = parameters.iter().map(|at| action.parameters[*at].name.as_str());
             self.issues.push(Violation::UnknownParameter {

@@ -101,12 +101,13 @@ pub fn read_tree(tree: &Value, objects: Vec<String>, path: &Path) -> Result<Writ
         body,
         objects,
     };
-    match written.is_sound() {
-        true => Ok(written),
-        false => wrong(
+    if written.is_sound() {
+        Ok(written)
+    } else {
+        wrong(
             path,
             format!("has branches and conditions more than {DEEPEST} deep in each other"),
-        ),
+        )
     }
 }
 
@@ -260,9 +261,10 @@ impl Reader {
             let items: Read<Vec<LaneItem>> = items.map(|(index, item)| self.item(item, &at.index(index))).collect();
             lanes.push(Lane { actor, items: items? });
         }
-        match lanes.is_empty() {
-            true => wrong(path, "should have a lane"),
-            false => Ok(lanes),
+        if lanes.is_empty() {
+            wrong(path, "should have a lane")
+        } else {
+            Ok(lanes)
         }
     }
 

@@ -181,9 +181,10 @@ pub(super) fn bind_way(
         };
     }
     let (executable, arguments) = found.result;
-    let assumptions = match executable {
-        true => effort::within(OPEN, || binder.open(&arguments)).result,
-        false => Vec::new(),
+    let assumptions = if executable {
+        effort::within(OPEN, || binder.open(&arguments)).result
+    } else {
+        Vec::new()
     };
     WayArguments {
         arguments,
@@ -247,9 +248,12 @@ pub fn candidates(
             None => {
                 // Explanations mention the handled object, but it is not its own place.
                 let is_handled = |entity: &EntityId| action.object.is_some() && handled.contains(entity);
-                let mentioned = |entity: EntityId| match is_handled(&entity) {
-                    true => 0,
-                    false => world.entity(entity).words_in(&words),
+                let mentioned = |entity: EntityId| {
+                    if is_handled(&entity) {
+                        0
+                    } else {
+                        world.entity(entity).words_in(&words)
+                    }
                 };
                 effort::spend(open.len() * (1 + words.len()));
                 let mut ranked: Vec<(EntityId, usize)> = open.iter().map(|e| (*e, mentioned(*e))).collect();
@@ -360,12 +364,11 @@ impl Binder<'_> {
                     // A condition that was not sensed, or that is known to contradict the path, counts like a broken
                     // claim.
                     let outcomes = self.domain.outcomes(fact);
-                    let as_assumed = match outcomes.is_empty() {
-                        true => state.holds(fact) == holds,
-                        false => {
-                            let known = outcomes.iter().any(|outcome| state.holds(*outcome));
-                            known || self.is_sensed(fact, way, arguments)
-                        }
+                    let as_assumed = if outcomes.is_empty() {
+                        state.holds(fact) == holds
+                    } else {
+                        let known = outcomes.iter().any(|outcome| state.holds(*outcome));
+                        known || self.is_sensed(fact, way, arguments)
                     };
                     broken += usize::from(!as_assumed);
                     learn(self.domain, state, fact, holds);

@@ -219,9 +219,10 @@ impl Chooser<'_> {
     fn known(&self, test: &Test) -> Option<bool> {
         let parts = |parts: &[Test], until: bool| {
             let known: Vec<Option<bool>> = parts.iter().map(|part| self.known(part)).collect();
-            match known.contains(&Some(until)) {
-                true => Some(until),
-                false => known.iter().all(Option::is_some).then_some(!until),
+            if known.contains(&Some(until)) {
+                Some(until)
+            } else {
+                known.iter().all(Option::is_some).then_some(!until)
             }
         };
         match test {

@@ -100,9 +100,10 @@ impl Purpose {
 
     /// Returns the world with the prohibitions of this purpose in force.
     pub fn world<'w>(&self, world: &'w World) -> Cow<'w, World> {
-        match self.prohibitions.is_empty() {
-            true => Cow::Borrowed(world),
-            false => Cow::Owned(world.with_prohibitions(self.prohibitions.iter().cloned())),
+        if self.prohibitions.is_empty() {
+            Cow::Borrowed(world)
+        } else {
+            Cow::Owned(world.with_prohibitions(self.prohibitions.iter().cloned()))
         }
     }
 }

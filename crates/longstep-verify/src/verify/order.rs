@@ -233,9 +233,10 @@ impl Progress {
         let mut state = self.added(state);
         order.advance_where(world, &mut state, &mut |moment, wanted, holds| {
             let mut bindings = wanted.bindings.clone();
-            let rests_on = match holds {
-                true => support(moment, &wanted.condition, &mut bindings, weight),
-                false => support(moment, &wanted.condition.clone().complement(), &mut bindings, weight),
+            let rests_on = if holds {
+                support(moment, &wanted.condition, &mut bindings, weight)
+            } else {
+                support(moment, &wanted.condition.clone().complement(), &mut bindings, weight)
             };
             let rests_on = rests_on.unwrap_or_default();
             let certain = rests_on.is_empty();

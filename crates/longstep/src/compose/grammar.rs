@@ -143,13 +143,16 @@ pub(super) fn schema(menu: &Menu) -> Value {
     let plans = menu.plans.iter().map(|plan| format!("{}()", plan.name));
     let looks = menu.checks.iter().map(|check| plain(&check.call, &check.things));
     let calls: Vec<String> = plans.chain(looks).collect();
-    let conditions = menu.checks.iter().flat_map(|check| match check.outcomes.is_empty() {
-        true => vec![plain(&check.call, &check.things)],
-        false => check
-            .outcomes
-            .iter()
-            .map(|(word, things)| plain(word, things))
-            .collect(),
+    let conditions = menu.checks.iter().flat_map(|check| {
+        if check.outcomes.is_empty() {
+            vec![plain(&check.call, &check.things)]
+        } else {
+            check
+                .outcomes
+                .iter()
+                .map(|(word, things)| plain(word, things))
+                .collect()
+        }
     });
     let conditions: Vec<String> = conditions.collect();
     let tree = tree_schema(TreeForms {

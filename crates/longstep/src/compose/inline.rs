@@ -61,20 +61,19 @@ pub fn inline(world: &World, composition: &Written, stored: &[Stored]) -> Result
     if misfits.is_empty() && !written.is_sound() {
         misfits.push(Misfit::TooDeep { limit: DEEPEST });
     }
-    match misfits.is_empty() {
-        true => Ok(Inlined {
+    if misfits.is_empty() {
+        Ok(Inlined {
             written,
             origins: inliner.origins,
-        }),
-        false => {
-            let mut distinct: Vec<Misfit> = Vec::new();
-            misfits.into_iter().for_each(|misfit| {
-                if !distinct.contains(&misfit) {
-                    distinct.push(misfit);
-                }
-            });
-            Err(distinct)
-        }
+        })
+    } else {
+        let mut distinct: Vec<Misfit> = Vec::new();
+        misfits.into_iter().for_each(|misfit| {
+            if !distinct.contains(&misfit) {
+                distinct.push(misfit);
+            }
+        });
+        Err(distinct)
     }
 }
 

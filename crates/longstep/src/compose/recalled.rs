@@ -71,9 +71,10 @@ impl Recalled {
 
     /// Returns the remark that precedes its steps.
     pub(super) fn remark(&self, name: &str) -> String {
-        match self.summary.is_empty() {
-            true => name.to_owned(),
-            false => format!("{name}: {}", self.summary),
+        if self.summary.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{name}: {}", self.summary)
         }
     }
 }

@@ -129,8 +129,9 @@ fn check(world: &World, action: &Action, given: &[(usize, EntityId)]) -> Check {
 /// identifier.
 pub(super) fn called(entity: &Entity) -> String {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_' | '\'');
-    match entity.name.chars().all(plain) {
-        true => entity.name.clone(),
-        false => entity.identifier.clone(),
+    if entity.name.chars().all(plain) {
+        entity.name.clone()
+    } else {
+        entity.identifier.clone()
     }
 }

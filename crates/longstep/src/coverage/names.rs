@@ -33,9 +33,10 @@ impl Mentions {
         // A value comes from the text that mentions it; `literal` decides whether a goal has it.
         for (id, entity) in world.entities().filter(|(_, entity)| !entity.is_value) {
             for name in entity.called() {
-                let ranges = match name.contains(|character| character >= WITHOUT_SPACES) {
-                    true => occurrences(instruction, &name),
-                    false => sequences(&words, &places, &name),
+                let ranges = if name.contains(|character| character >= WITHOUT_SPACES) {
+                    occurrences(instruction, &name)
+                } else {
+                    sequences(&words, &places, &name)
                 };
                 ranges.into_iter().for_each(|range| enter(&mut found, range, id));
             }

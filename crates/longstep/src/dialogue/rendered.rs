@@ -10,9 +10,10 @@ use crate::model::Domain;
 pub(super) fn render(domain: &Domain, file: &str, more: Value, more_size: usize) -> Result<String, Diagnostic> {
     let source = domain.prompts.parts.source(file);
     let given = template_context::size(domain) + more_size;
-    let variables = match more.is_undefined() {
-        true => template_context::context(domain),
-        false => context! { ..more, ..template_context::context(domain) },
+    let variables = if more.is_undefined() {
+        template_context::context(domain)
+    } else {
+        context! { ..more, ..template_context::context(domain) }
     };
     template::render(&source.text, variables, given)
         .map(|text| text.trim().to_owned())

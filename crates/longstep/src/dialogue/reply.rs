@@ -157,12 +157,11 @@ pub fn direct_schema(world: &World) -> Value {
     let small = 3 * things <= ENUM_LIMIT && 3 * bytes <= ENUM_BYTES;
     let texts = list(any_text());
     let kind = json!(["string", "null"]);
-    let object = match small && things > 0 {
-        true => {
-            let names = assets.iter().chain(objects).map(|name| json!(name));
-            json!({"type": kind, "enum": names.chain([Value::Null]).collect::<Value>()})
-        }
-        false => json!({"type": kind}),
+    let object = if small && things > 0 {
+        let names = assets.iter().chain(objects).map(|name| json!(name));
+        json!({"type": kind, "enum": names.chain([Value::Null]).collect::<Value>()})
+    } else {
+        json!({"type": kind})
     };
     let states = |identifiers: &[String]| {
         if !small {
@@ -206,10 +205,11 @@ const DEPTH: usize = 2;
 fn tree(world: &World) -> TreeSchema {
     let calls = calls(world, |_| true);
     let senses = senses(world.domain());
-    let conditions = match senses {
-        true => self::calls(world, |action| !action.senses.is_empty())
-            .and_then(|sensing| listed_calls([sensing, sensed_states(world)].concat())),
-        false => Some(Vec::new()),
+    let conditions = if senses {
+        self::calls(world, |action| !action.senses.is_empty())
+            .and_then(|sensing| listed_calls([sensing, sensed_states(world)].concat()))
+    } else {
+        Some(Vec::new())
     };
     let lanes: Vec<String> = actors(world)
         .into_iter()

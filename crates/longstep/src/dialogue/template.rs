@@ -127,9 +127,10 @@ fn environment(room: usize) -> Environment<'static> {
     environment.add_filter("first", minijinja::filters::first);
     environment.add_filter("last", minijinja::filters::last);
     environment.add_filter("default", |value: Value, other: Option<Value>| {
-        match value.is_undefined() {
-            true => other.unwrap_or_else(|| Value::from("")),
-            false => value,
+        if value.is_undefined() {
+            other.unwrap_or_else(|| Value::from(""))
+        } else {
+            value
         }
     });
     let left = Arc::new(AtomicUsize::new(room));

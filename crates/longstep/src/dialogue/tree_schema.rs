@@ -39,9 +39,10 @@ pub(crate) fn tree_schema(forms: TreeForms<'_>) -> TreeSchema {
     define("call", one_of(forms.calls));
     define(
         "step",
-        match forms.explained {
-            true => closed(&[("call", refer("call")), ("explanation", any_text())]),
-            false => closed(&[("call", refer("call"))]),
+        if forms.explained {
+            closed(&[("call", refer("call")), ("explanation", any_text())])
+        } else {
+            closed(&[("call", refer("call"))])
         },
     );
     if branches {
@@ -92,9 +93,10 @@ fn node_in_schema(node: &Value, explained: bool) -> Value {
     let part = |key: &str| in_schema(node.get(key).unwrap_or(&Value::Null), explained);
     if let Some(call) = node.get("call") {
         let explanation = node.get("explanation").cloned().unwrap_or_else(|| json!(""));
-        return match explained {
-            true => json!({"call": call, "explanation": explanation}),
-            false => json!({"call": call}),
+        return if explained {
+            json!({"call": call, "explanation": explanation})
+        } else {
+            json!({"call": call})
         };
     }
     if let Some(condition) = node.get("if") {

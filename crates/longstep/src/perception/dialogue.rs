@@ -261,18 +261,19 @@ fn json_of(sighting: &Sighting) -> Value {
 fn schema(vocabulary: &Vocabulary<'_>, is_bounded: bool) -> Value {
     let words: Vec<String> = vocabulary.words().map(|word| word.word.clone()).collect();
     let arguments = vocabulary.words().map(|word| word.parameters.len()).max();
-    let bounded_list = |items: Value, most: usize| match is_bounded {
-        true => at_most(list(items), most),
-        false => list(items),
+    let bounded_list = |items: Value, most: usize| {
+        if is_bounded {
+            at_most(list(items), most)
+        } else {
+            list(items)
+        }
     };
-    let name = match is_bounded {
-        true => pattern(&format!("^{NAME}$")),
-        false => any_text(),
+    let name = if is_bounded {
+        pattern(&format!("^{NAME}$"))
+    } else {
+        any_text()
     };
-    let note = match is_bounded {
-        true => pattern(NOTE),
-        false => any_text(),
-    };
+    let note = if is_bounded { pattern(NOTE) } else { any_text() };
     let state = closed(&[
         ("entity", name.clone()),
         ("state", one_of(Some(&words))),

@@ -39,9 +39,12 @@ impl SightExample {
     /// Returns the names with their lists, in the order of the plain sentences.
     pub(super) fn names(&self, vocabulary: &Vocabulary<'_>) -> Vec<(String, List)> {
         let names = sentence::names(vocabulary, &self.said(vocabulary)).into_iter();
-        let list = |name: &String| match PLACES.contains(&name.as_str()) {
-            true => List::Assets,
-            false => List::Objects,
+        let list = |name: &String| {
+            if PLACES.contains(&name.as_str()) {
+                List::Assets
+            } else {
+                List::Objects
+            }
         };
         names.map(|name| (name.clone(), list(&name))).collect()
     }
@@ -188,9 +191,10 @@ fn states(words: &Words<'_>) -> SightExample {
     for (index, word) in own.take(2).enumerate() {
         let plain = words.plain(word, THINGS[index], None);
         // People say it of the robot, whatever the domain says of its hand.
-        let text = match word.relations.contains(&SpatialRelation::Held) {
-            true => format!("The robot holds a {}.", THINGS[index]),
-            false => plain.clone(),
+        let text = if word.relations.contains(&SpatialRelation::Held) {
+            format!("The robot holds a {}.", THINGS[index])
+        } else {
+            plain.clone()
         };
         parts.push((text, plain));
     }

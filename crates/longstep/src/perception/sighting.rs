@@ -172,9 +172,10 @@ impl Sighting {
 
     /// Returns the identifier of a name in an environment. Constants of the domain, which are in no list, keep theirs.
     pub(super) fn identifier(&self, name: &str) -> String {
-        match self.names().iter().any(|(own, _)| *own == name) {
-            true => format!("<{name}>"),
-            false => name.to_owned(),
+        if self.names().iter().any(|(own, _)| *own == name) {
+            format!("<{name}>")
+        } else {
+            name.to_owned()
         }
     }
 
@@ -200,9 +201,10 @@ pub(super) fn written_names(names: &[(String, List)]) -> String {
         .iter()
         .map(|(name, list)| format!("{name}{}", kind(*list)))
         .collect();
-    match entries.is_empty() {
-        true => format!("{LABEL}{NONE}"),
-        false => format!("{LABEL}{}", entries.join(COMMA)),
+    if entries.is_empty() {
+        format!("{LABEL}{NONE}")
+    } else {
+        format!("{LABEL}{}", entries.join(COMMA))
     }
 }
 

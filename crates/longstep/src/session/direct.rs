@@ -129,9 +129,10 @@ impl Session {
             None => {
                 Checked::Wrong {
                     // Feedback is needed only if another round follows.
-                    correction: match turn.corrections >= self.settings.rounds {
-                        true => String::new(),
-                        false => assessment.feedback(),
+                    correction: if turn.corrections >= self.settings.rounds {
+                        String::new()
+                    } else {
+                        assessment.feedback()
                     },
                     failure: Failure::NoPlan(Box::new(answer)),
                 }

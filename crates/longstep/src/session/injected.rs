@@ -350,12 +350,11 @@ fn no_reply_leads_to_a_plan_that_was_not_verified() {
                 session.instruct("The pen goes on the shelf").unwrap();
                 say(&mut session, reply);
                 let known = session.proposal().is_some() || !session.accepted().is_empty();
-                match known {
-                    true => proposed += 1,
-                    false => {
-                        refused += 1;
-                        assert!(session.accept().is_err(), "{reply}");
-                    }
+                if known {
+                    proposed += 1
+                } else {
+                    refused += 1;
+                    assert!(session.accept().is_err(), "{reply}");
                 }
                 assert!(settings.accept || session.accepted().is_empty(), "{reply}");
                 // On a copy, since the check takes the events.

@@ -95,9 +95,10 @@ impl Session {
             Ok(Some(meant)) => {
                 turn.readings.push(meant.reading.clone());
                 self.world.share_values(fitted.dialogue.world());
-                let carried = match fitted.is_narrowed {
-                    true => meant.carried(&self.domain, fitted.dialogue.world(), &self.world),
-                    false => Some(meant),
+                let carried = if fitted.is_narrowed {
+                    meant.carried(&self.domain, fitted.dialogue.world(), &self.world)
+                } else {
+                    Some(meant)
                 };
                 match carried {
                     Some(meant) => self.meant(turn, meant),
@@ -161,9 +162,10 @@ impl Session {
                 None => self.give_up(turn, Failure::NoPlan(Box::new(answer))),
             };
         };
-        let left_out = match goal.facts.is_empty() {
-            true => Some(rule_question(world, &goal)),
-            false => coverage.question(),
+        let left_out = if goal.facts.is_empty() {
+            Some(rule_question(world, &goal))
+        } else {
+            coverage.question()
         };
         let question = meant.question.or(left_out.filter(|_| !self.settings.partial));
         let proposal = Proposal {

@@ -120,9 +120,10 @@ fn spans(instruction: &str) -> Option<Form> {
     for word in words.iter().rev() {
         let bare = word.trim_start_matches(|letter: char| !letter.is_alphanumeric());
         let inner = bare.trim_end_matches(|letter: char| !letter.is_alphanumeric());
-        let (before, bare, behind) = match inner.is_empty() {
-            true => ("", word.as_str(), ""),
-            false => (&word[..word.len() - bare.len()], inner, &bare[inner.len()..]),
+        let (before, bare, behind) = if inner.is_empty() {
+            ("", word.as_str(), "")
+        } else {
+            (&word[..word.len() - bare.len()], inner, &bare[inner.len()..])
         };
         let more = after.take().map(|after| Form::Row(vec![Form::text(between), after]));
         let more = match behind {
@@ -135,13 +136,12 @@ fn spans(instruction: &str) -> Option<Form> {
         let from_here = std::iter::once(Form::text(bare)).chain(more.map(Form::optional));
         let own = Form::Row(from_here.collect()).shared();
         all.push(own.clone());
-        after = Some(match before.is_empty() {
-            true => own,
-            false => {
-                let whole = Form::Row(vec![Form::text(before), own]).shared();
-                all.push(whole.clone());
-                whole
-            }
+        after = Some(if before.is_empty() {
+            own
+        } else {
+            let whole = Form::Row(vec![Form::text(before), own]).shared();
+            all.push(whole.clone());
+            whole
         });
     }
     (!all.is_empty()).then_some(Form::Either(all))
@@ -185,9 +185,12 @@ impl<'a> Parts<'a> {
         let domain = self.world.domain();
         let words = domain.goal_words.iter();
         let mut simple: Vec<Form> = words
-            .flat_map(|word| match self.takes_values(word) {
-                true => self.word_with_values(word).into_iter().collect(),
-                false => self.word(word, goal::sayable(self.world, word), false),
+            .flat_map(|word| {
+                if self.takes_values(word) {
+                    self.word_with_values(word).into_iter().collect()
+                } else {
+                    self.word(word, goal::sayable(self.world, word), false)
+                }
             })
             .collect();
         simple.extend(domain.functions.iter().filter_map(|function| self.comparison(function)));
@@ -215,9 +218,12 @@ impl<'a> Parts<'a> {
         let domain = self.world.domain();
         let words = domain.goal_words.iter();
         let mut states: Vec<Form> = words
-            .flat_map(|word| match self.takes_values(word) {
-                true => self.word_with_values(word).into_iter().collect(),
-                false => self.word(word, self.products(word), true),
+            .flat_map(|word| {
+                if self.takes_values(word) {
+                    self.word_with_values(word).into_iter().collect()
+                } else {
+                    self.word(word, self.products(word), true)
+                }
             })
             .collect();
         states.extend(other_predicates(domain).into_iter().filter_map(|id| self.predicate(id)));
@@ -288,9 +294,10 @@ impl<'a> Parts<'a> {
                 let units = std::iter::once(&form.unit).chain(form.units.iter().map(|(unit, _)| unit));
                 let units = Form::texts(units.filter(|unit| !unit.is_empty()).map(|unit| format!(" {unit}")));
                 let twice = Form::Pattern(format!("now \\* {NUMBER}"));
-                Some(match form.unit.is_empty() {
-                    true => Form::Either(vec![number, twice]),
-                    false => Form::Either(vec![Form::Row(vec![number, units]), twice]),
+                Some(if form.unit.is_empty() {
+                    Form::Either(vec![number, twice])
+                } else {
+                    Form::Either(vec![Form::Row(vec![number, units]), twice])
                 })
             }
         }

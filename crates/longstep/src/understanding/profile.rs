@@ -65,9 +65,10 @@ impl Profile {
             _ => false,
         };
         if question {
-            return match reaches(self.instead_of_question) {
-                true => Decision::ActInsteadOfAsking,
-                false => Decision::Ask,
+            return if reaches(self.instead_of_question) {
+                Decision::ActInsteadOfAsking
+            } else {
+                Decision::Ask
             };
         }
         let is_alone = ahead.is_some_and(|ahead| ahead >= AHEAD);

@@ -154,9 +154,10 @@ fn numbers(domain: &Domain) -> String {
             format!("{} >= 3{unit}", form_of(&function.word, &function.parameters))
         })
         .collect();
-    match forms.is_empty() {
-        true => String::new(),
-        false => format!("\n\nNumbers are compared with <, <=, =, >= or >: {}", forms.join(", ")),
+    if forms.is_empty() {
+        String::new()
+    } else {
+        format!("\n\nNumbers are compared with <, <=, =, >= or >: {}", forms.join(", "))
     }
 }
 

@@ -14,14 +14,15 @@ const REPAIRING: u64 = 250_000_000;
 
 fn written(text: &str) -> Draft {
     assert!(text.len() <= LARGEST, "a plan of {} bytes", text.len());
-    match text.starts_with('{') {
-        true => plan::read(text).unwrap_or_else(|e| panic!("{e}")),
-        false => Draft {
+    if text.starts_with('{') {
+        plan::read(text).unwrap_or_else(|e| panic!("{e}"))
+    } else {
+        Draft {
             file: PlanFile::from(TaskCohesion::from_written(
                 script::read(text).unwrap_or_else(|e| panic!("{e}")),
             )),
             leniencies: Vec::new(),
-        },
+        }
     }
 }
 

@@ -154,9 +154,10 @@ fn contradicting(rules: &Rules<'_>, exchanges: &Exchanges, index: usize, left: R
     // What is only gained is a record, such as a place that was visited.
     let is_record = !rules.changes(right.0, false);
     let is_clear = others.len() > 1 || others.iter().all(|own| exchanges.is_only(*own, left, right));
-    match is_clear && !is_record && !rules.actions.iter().enumerate().any(together) {
-        true => others,
-        false => Vec::new(),
+    if is_clear && !is_record && !rules.actions.iter().enumerate().any(together) {
+        others
+    } else {
+        Vec::new()
     }
 }
 

@@ -54,9 +54,10 @@ pub(super) fn lost_facts(rules: &Rules<'_>, required: &Required, findings: &mut 
     let mut found = Vec::new();
     for (index, facts) in rules.actions.iter().enumerate() {
         for effect in &facts.action.effects {
-            let is_lost = match effect.adds {
-                false => is_lost(rules, facts, effect, required),
-                true => is_barred(rules, facts, effect, required),
+            let is_lost = if !effect.adds {
+                is_lost(rules, facts, effect, required)
+            } else {
+                is_barred(rules, facts, effect, required)
             };
             if is_lost {
                 found.push((index, effect));
@@ -68,9 +69,10 @@ pub(super) fn lost_facts(rules: &Rules<'_>, required: &Required, findings: &mut 
         let name = facts.name();
         let text = shown(rules.domain, &effect.atom, &facts.action.parameters);
         let predicate = rules.domain.predicate(effect.atom.predicate).name.as_str();
-        let (value, again, written) = match effect.adds {
-            false => ("false", "true", format!("(not {text})")),
-            true => ("true", "false", text.clone()),
+        let (value, again, written) = if !effect.adds {
+            ("false", "true", format!("(not {text})"))
+        } else {
+            ("true", "false", text.clone())
         };
         let needing = rules.needing(effect.atom.predicate, !effect.adds);
         let needing = match &needing[..] {

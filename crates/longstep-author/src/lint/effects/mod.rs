@@ -129,9 +129,10 @@ fn idle_effects(rules: &Rules<'_>, findings: &mut Vec<Finding>) {
             .iter()
             .filter(|effect| action_facts::is_certain(effect))
         {
-            let (known, opposite) = match effect.adds {
-                true => (&facts.needs, facts.removes(&effect.atom)),
-                false => (&facts.excludes, facts.makes(&effect.atom)),
+            let (known, opposite) = if effect.adds {
+                (&facts.needs, facts.removes(&effect.atom))
+            } else {
+                (&facts.excludes, facts.makes(&effect.atom))
             };
             if known.contains(&&effect.atom) && !opposite {
                 found.push((index, effect));

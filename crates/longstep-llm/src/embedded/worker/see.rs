@@ -12,9 +12,10 @@ impl Worker<'_> {
     pub(super) fn pictures(&self, messages: &[Message]) -> Result<Vec<PictureTokens>, ModelError> {
         let pictures: Vec<_> = messages.iter().flat_map(|message| &message.pictures).collect();
         let Some(vision) = &self.vision else {
-            return match pictures.is_empty() {
-                true => Ok(Vec::new()),
-                false => Err(ModelError::no_vision(self.name)),
+            return if pictures.is_empty() {
+                Ok(Vec::new())
+            } else {
+                Err(ModelError::no_vision(self.name))
             };
         };
         let total = pictures.len();

@@ -38,10 +38,7 @@ pub(super) fn adapt(
     let durations = sections.iter().filter_map(|own| own.tail_of(":durative-action"));
     let mut durations = durations.map(|items| duration(items).is_some_and(|own| is_fixed(&own, &changed, problem)));
     let costs = durations.all(|is_fixed| is_fixed) && !sections.iter().any(is_costly);
-    message.push_str(match costs {
-        true => "; their durations are costs",
-        false => "; durations are no costs, since some change, are computed, or differ too much to be added up, or costs are there already",
-    });
+    message.push_str(if costs { "; their durations are costs" } else { "; durations are no costs, since some change, are computed, or differ too much to be added up, or costs are there already" });
     notes.push(Diagnostic::at(file, first.position, message));
     for section in sections.iter_mut() {
         if let Some(items) = section.tail_of(":durative-action") {

@@ -217,9 +217,10 @@ impl Made {
         made.disturb(&mut dice);
         let (assets, states) = (made.environment.assets.clone(), std::mem::take(&mut made.states));
         for (name, own) in states.into_iter().filter(|(_, own)| !own.is_empty()) {
-            let list = match assets.contains(&name) {
-                true => &mut made.environment.asset_states,
-                false => &mut made.environment.object_states,
+            let list = if assets.contains(&name) {
+                &mut made.environment.asset_states
+            } else {
+                &mut made.environment.object_states
             };
             list.insert(name, environment::Words::Many(own));
         }

@@ -292,9 +292,10 @@ impl<'a> Search<'a> {
         if tie {
             self.manner.ties = self.manner.ties.saturating_sub(self.bounds.looked_at - before);
         }
-        match self.bounds.looked_at > self.manner.limit {
-            true => Err(TooFar),
-            false => Ok(estimate),
+        if self.bounds.looked_at > self.manner.limit {
+            Err(TooFar)
+        } else {
+            Ok(estimate)
         }
     }
 

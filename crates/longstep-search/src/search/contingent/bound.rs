@@ -40,10 +40,7 @@ impl Bounds {
     /// Prepares the bounds. If `looping`, repeated sensing may have different outcomes, so only the optimistic bound is
     /// valid.
     pub(super) fn new(task: &Task, looping: bool) -> Self {
-        let groups = match looping {
-            true => Vec::new(),
-            false => groups(task),
-        };
+        let groups = if looping { Vec::new() } else { groups(task) };
         let bounds = |group: Group| {
             let alone = |outcome: &u32| LandmarkCut::new(&only(task, &group, *outcome));
             let affordable = group.iter().take_while(|_| !effort::is_exhausted());

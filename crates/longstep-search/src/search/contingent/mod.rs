@@ -65,13 +65,14 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
     let requirements = Requirements::of(world, &target.wanted, &target.stages);
     let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
-    let scope = match whole.is_bearable(world) {
-        true => Some(whole),
+    let scope = if whole.is_bearable(world) {
+        Some(whole)
+    } else {
         // In a large world, only entities related to the goal; verification then checks the plan in the whole world.
-        false => [false, true]
+        [false, true]
             .iter()
             .map(|far| whole.around(world, &requirements, &about, *far))
-            .rfind(|scope| scope.is_bearable(world)),
+            .rfind(|scope| scope.is_bearable(world))
     };
     let too_large = || Outcome::GaveUp {
         why: "the world is too large to look at all that surrounds the goal".to_owned(),
@@ -83,9 +84,10 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
         Ok(costs) => costs,
         Err(why) => return Outcome::GaveUp { why, expanded: 0 },
     };
-    let outcome = match task.operators.iter().any(|operator| operator.outcome.is_some()) {
-        true => of_task(world, &task, costs, limits),
-        false => forward::search(&task, limits).priced(costs).explained(world),
+    let outcome = if task.operators.iter().any(|operator| operator.outcome.is_some()) {
+        of_task(world, &task, costs, limits)
+    } else {
+        forward::search(&task, limits).priced(costs).explained(world)
     };
     match outcome {
         Outcome::Solved {
@@ -210,12 +212,13 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
             expanded: tally.states,
         },
         false => Outcome::GaveUp {
-            why: match tally.exhausted {
-                true => format!(
+            why: if tally.exhausted {
+                format!(
                     "no plan found in {} states, which took all the work that a search may take",
                     tally.states
-                ),
-                false => format!("no plan found in {} states", tally.states),
+                )
+            } else {
+                format!("no plan found in {} states", tally.states)
             },
             expanded: tally.states,
         },

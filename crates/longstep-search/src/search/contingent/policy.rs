@@ -173,17 +173,18 @@ impl Writer<'_> {
         let id = self.step(step);
         match <[Side; 2]>::try_from(sides) {
             // The sensing test holds for the first outcome, which is alone on the first side.
-            Ok([(first, yes), (_, no)]) if first.len() == 1 => nodes.push(match yes.is_empty() {
-                true => Node::If {
+            Ok([(first, yes), (_, no)]) if first.len() == 1 => nodes.push(if yes.is_empty() {
+                Node::If {
                     condition: Test::Not(Box::new(Test::Sense(id))),
                     then: self.nodes(no),
                     otherwise: Vec::new(),
-                },
-                false => Node::If {
+                }
+            } else {
+                Node::If {
                     condition: Test::Sense(id),
                     then: self.nodes(yes),
                     otherwise: self.nodes(no),
-                },
+                }
             }),
             Ok(sides) => {
                 nodes.push(Node::Step(id));

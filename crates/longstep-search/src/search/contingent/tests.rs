@@ -17,9 +17,10 @@ fn scene(states: &str) -> (longstep_model::model::Domain, World) {
     let mut environment = Environment::from_json(text).unwrap();
     for state in states.split_whitespace() {
         let (entity, word) = state.split_once(':').unwrap();
-        let list = match environment.assets.iter().any(|asset| asset == entity) {
-            true => &mut environment.asset_states,
-            false => &mut environment.object_states,
+        let list = if environment.assets.iter().any(|asset| asset == entity) {
+            &mut environment.asset_states
+        } else {
+            &mut environment.object_states
         };
         let mut words: Vec<String> = list
             .get(entity)

@@ -40,9 +40,10 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
                 .trim_start_matches(FENCE)
                 .trim_start_matches("json")
                 .trim_end_matches(FENCE);
-            let value = match given.trim_start().starts_with(['{', '[', '"']) {
-                true => literal::whole(given).map(|literal| literal.node.value),
-                false => Ok(Value::Text(given.trim().to_owned())),
+            let value = if given.trim_start().starts_with(['{', '[', '"']) {
+                literal::whole(given).map(|literal| literal.node.value)
+            } else {
+                Ok(Value::Text(given.trim().to_owned()))
             };
             let step = value.ok().and_then(|value| step_with_input(&name, &value));
             let Some(step) = step else {

@@ -153,9 +153,10 @@ fn marks(line: &str) -> (Form, Option<u32>, &str) {
     let bold = rest.trim_start_matches(is_emphasis);
     // `Step 1:`, in any language.
     let word = bold.trim_start_matches(char::is_alphabetic);
-    let counted = match word.len() < bold.len() {
-        true => word.strip_prefix(' ').map(str::trim_start),
-        false => Some(bold.strip_prefix('(').unwrap_or(bold)),
+    let counted = if word.len() < bold.len() {
+        word.strip_prefix(' ').map(str::trim_start)
+    } else {
+        Some(bold.strip_prefix('(').unwrap_or(bold))
     };
     let number = counted.and_then(|counted| {
         let digits = counted.trim_start_matches(|c: char| c.is_ascii_digit());
@@ -200,9 +201,10 @@ fn steps(part: &str) -> Option<Vec<WrittenStep>> {
         None => EXPLANATION_SIGNS.iter().find_map(|sign| rest.strip_prefix(sign))?,
     };
     let words = words.trim().trim_end_matches(['*', '`']).trim();
-    let words = match rest.starts_with('(') {
-        true => words.strip_suffix(')').unwrap_or(words),
-        false => words,
+    let words = if rest.starts_with('(') {
+        words.strip_suffix(')').unwrap_or(words)
+    } else {
+        words
     };
     steps.last_mut()?.explanation = words.to_owned();
     Some(steps)
@@ -248,9 +250,12 @@ fn is_ornament(rest: &str) -> bool {
     {
         rest = before.trim_end();
     }
-    let is_sign = |c: char| match c.is_ascii() {
-        true => c == '!',
-        false => !c.is_alphanumeric() && !matches!(c, '\u{2026}' | '\u{2010}'..='\u{2015}' | '\u{2190}'..='\u{21ff}'),
+    let is_sign = |c: char| {
+        if c.is_ascii() {
+            c == '!'
+        } else {
+            !c.is_alphanumeric() && !matches!(c, '\u{2026}' | '\u{2010}'..='\u{2015}' | '\u{2190}'..='\u{21ff}')
+        }
     };
     rest.chars().all(is_sign)
 }

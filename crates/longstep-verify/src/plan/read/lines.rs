@@ -122,9 +122,10 @@ struct Groups {
 impl Groups {
     /// Reads all lines; none if they are code.
     fn read(&mut self, text: &str) -> Option<()> {
-        let parts: Vec<Range<usize>> = match text.contains(FENCE) {
-            true => blocks(text).map(|block| block.inside).collect(),
-            false => std::iter::once(0..text.len()).collect(),
+        let parts: Vec<Range<usize>> = if text.contains(FENCE) {
+            blocks(text).map(|block| block.inside).collect()
+        } else {
+            std::iter::once(0..text.len()).collect()
         };
         let code = parts.into_iter().filter(|part| scripts::is_meant(&text[part.clone()]));
         let mut code = code.peekable();

@@ -184,9 +184,10 @@ fn before_list(before: &str) -> Listed {
         return Listed::Plan;
     };
     let name = name.trim().trim_matches(['*', '`', '"']).to_lowercase();
-    match name.contains(char::is_whitespace) {
-        true => Listed::Plan,
-        false => list_under(&name),
+    if name.contains(char::is_whitespace) {
+        Listed::Plan
+    } else {
+        list_under(&name)
     }
 }
 

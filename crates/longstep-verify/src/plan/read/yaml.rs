@@ -15,12 +15,13 @@ use longstep_model::literal::{DEEPEST, FENCE, LeniencyKind, Literal, Member, Not
 /// Finds the plan of a text in YAML, alone or in code blocks; none if nothing there has one.
 pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
     let whole = 0..text.len();
-    let parts: Vec<Range<usize>> = match text.contains(FENCE) {
-        true => blocks(text)
+    let parts: Vec<Range<usize>> = if text.contains(FENCE) {
+        blocks(text)
             .filter(|block| block.closed)
             .map(|block| block.inside)
-            .collect(),
-        false => vec![whole],
+            .collect()
+    } else {
+        vec![whole]
     };
     let mut plans = parts
         .into_iter()
@@ -175,9 +176,10 @@ struct Offsets {
 
 impl Offsets {
     fn new(text: &str, before: usize) -> Self {
-        let offsets = match text.is_ascii() {
-            true => Vec::new(),
-            false => text.char_indices().map(|(at, _)| at).collect(),
+        let offsets = if text.is_ascii() {
+            Vec::new()
+        } else {
+            text.char_indices().map(|(at, _)| at).collect()
         };
         let end = text.len();
         Self { before, offsets, end }
@@ -185,9 +187,10 @@ impl Offsets {
 
     /// Returns the byte offset of a character in the whole text.
     fn byte(&self, character: usize) -> usize {
-        let inside = match self.offsets.is_empty() {
-            true => character.min(self.end),
-            false => self.offsets.get(character).copied().unwrap_or(self.end),
+        let inside = if self.offsets.is_empty() {
+            character.min(self.end)
+        } else {
+            self.offsets.get(character).copied().unwrap_or(self.end)
         };
         self.before + inside
     }

@@ -78,9 +78,10 @@ impl<'t> Parser<'t> {
     }
 
     fn expect(&mut self, sign: &'static str, hint: &str) -> Result<(), Fault> {
-        match self.take(&Kind::Sign(sign)) {
-            true => Ok(()),
-            false => self.unexpected(&format!("`{sign}` is missing before this"), hint),
+        if self.take(&Kind::Sign(sign)) {
+            Ok(())
+        } else {
+            self.unexpected(&format!("`{sign}` is missing before this"), hint)
         }
     }
 
@@ -199,9 +200,10 @@ impl<'t> Parser<'t> {
     /// Consumes the end of a line and returns the comments before it.
     fn line_end(&mut self) -> Result<Vec<String>, Fault> {
         let comments = self.comments();
-        match self.take(&Kind::Newline) {
-            true => Ok(comments),
-            false => self.unexpected("the line should end here", "write each call on a line of its own"),
+        if self.take(&Kind::Newline) {
+            Ok(comments)
+        } else {
+            self.unexpected("the line should end here", "write each call on a line of its own")
         }
     }
 
@@ -389,19 +391,21 @@ impl<'t> Parser<'t> {
     }
 
     fn indent(&mut self) -> Result<(), Fault> {
-        match self.take(&Kind::Indent) {
-            true => Ok(()),
-            false => self.fail(
+        if self.take(&Kind::Indent) {
+            Ok(())
+        } else {
+            self.fail(
                 "a block is missing before this",
                 "indent what belongs to the line before, or write `pass` there",
-            ),
+            )
         }
     }
 
     fn dedent(&mut self) -> Result<(), Fault> {
-        match self.take(&Kind::Dedent) {
-            true => Ok(()),
-            false => self.unknown(),
+        if self.take(&Kind::Dedent) {
+            Ok(())
+        } else {
+            self.unknown()
         }
     }
 
@@ -425,9 +429,10 @@ impl<'t> Parser<'t> {
             return self.fail("this is no number of times", HINT);
         };
         self.next += 1;
-        match self.take(&Kind::Sign(")")) {
-            true => Ok(times),
-            false => self.fail("no plan has a loop like this", HINT),
+        if self.take(&Kind::Sign(")")) {
+            Ok(times)
+        } else {
+            self.fail("no plan has a loop like this", HINT)
         }
     }
 }

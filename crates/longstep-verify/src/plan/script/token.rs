@@ -100,9 +100,10 @@ impl<'t> Lexer<'t> {
                 let at = self.at;
                 let names = self.rest().trim_start_matches('#').trim_start().starts_with(OBJECTS);
                 if let Some(comment) = self.comment() {
-                    let kind = match names {
-                        true => Kind::Objects(comment),
-                        false => Kind::Remark(comment),
+                    let kind = if names {
+                        Kind::Objects(comment)
+                    } else {
+                        Kind::Remark(comment)
                     };
                     self.waiting.push((at, column, kind));
                 }
@@ -230,9 +231,10 @@ impl<'t> Lexer<'t> {
         // No name begins with a minus.
         if !word.is_empty() && next != '-' {
             self.at += word.len();
-            return Ok(match next.is_numeric() {
-                true => Kind::Number(word),
-                false => Kind::Name(word),
+            return Ok(if next.is_numeric() {
+                Kind::Number(word)
+            } else {
+                Kind::Name(word)
             });
         }
         if next == '<'

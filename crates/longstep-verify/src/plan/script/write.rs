@@ -143,9 +143,10 @@ impl Writer<'_> {
                 }
             }
         }
-        match breaks {
-            true => format!("{word} ({text}):{last_words}"),
-            false => format!("{word} {text}:{last_words}"),
+        if breaks {
+            format!("{word} ({text}):{last_words}")
+        } else {
+            format!("{word} {text}:{last_words}")
         }
     }
 }
@@ -212,9 +213,10 @@ fn comment(words: &str) -> String {
         && !words.starts_with(['#', '"'])
         && !words.starts_with(OBJECTS)
         && !words.contains(visible::is_hidden);
-    match plain {
-        true => format!("# {words}"),
-        false => format!("# {}", json(words)),
+    if plain {
+        format!("# {words}")
+    } else {
+        format!("# {}", json(words))
     }
 }
 
@@ -242,8 +244,9 @@ fn quoted(text: &str) -> String {
 
 /// Returns a parameter's name before `=`; names that are reserved in Python get an additional underscore.
 fn keyword(name: &str) -> String {
-    match is_script_keyword(name.trim_end_matches('_')) {
-        true => format!("{name}_"),
-        false => name.to_owned(),
+    if is_script_keyword(name.trim_end_matches('_')) {
+        format!("{name}_")
+    } else {
+        name.to_owned()
     }
 }

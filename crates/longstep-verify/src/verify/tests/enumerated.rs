@@ -261,9 +261,10 @@ impl<'a> Enumeration<'a> {
         };
         let mut all = Vec::new();
         for (state, holds) in self.evaluate(first, state) {
-            match holds == value {
-                true => all.extend(self.in_turn(rest, value, state)),
-                false => all.push((state, holds)),
+            if holds == value {
+                all.extend(self.in_turn(rest, value, state))
+            } else {
+                all.push((state, holds))
             }
         }
         all
