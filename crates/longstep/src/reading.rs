@@ -53,6 +53,8 @@ pub enum Decision {
     Ask,
     /// Several things fit the words.
     AskWhich,
+    /// The goal forbids nothing, and a prohibition behind it is not unlikely.
+    AskForProhibition,
 }
 
 impl Decision {
@@ -112,6 +114,9 @@ impl Reading {
             Decision::AskForUnlikely => format!("a question: it is less likely{than}"),
             Decision::Ask => "a question: the model asks".to_owned(),
             Decision::AskWhich => "a question: several things fit the words".to_owned(),
+            Decision::AskForProhibition => {
+                format!("a question: a prohibition that the answer lacks is not less likely{than}")
+            }
         };
         lines.push(format!("  {why} ({})", self.profile));
         lines

@@ -150,6 +150,16 @@ impl Transcript {
         self.fixed
     }
 
+    /// Counts a reply that is not kept: the beginning of an answer.
+    pub(crate) fn receive_beginning(&mut self, reply: &Reply) {
+        self.usage += reply.usage;
+    }
+
+    /// Sets the beginning of the next answer.
+    pub(crate) fn begin_answer(&mut self, begin: &str) {
+        self.answer.push_str(begin);
+    }
+
     /// Forgets the answer so far: the next request is for another one.
     pub(crate) fn clear_answer(&mut self) {
         self.answer.clear();

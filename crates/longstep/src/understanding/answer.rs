@@ -39,6 +39,13 @@ pub(super) struct Answer {
     pub(super) left_out: Vec<LeftOut>,
 }
 
+/// Returns the form of the prohibitions behind a goal; none if nothing can be forbidden in the world.
+pub(super) fn more_constraints(world: &World) -> Option<Form> {
+    let parts = Parts::of(world, "");
+    let more = parts.constraints()?.separated(Form::text(" & "), PARTS);
+    Some(Form::Row(vec![Form::text(" & "), more]))
+}
+
 /// Splits an answer into its goal and the words that the goal does not say.
 pub(super) fn split(text: &str) -> (&str, Vec<LeftOut>) {
     let mut parts = text.trim().split(LEFT_OUT);

@@ -9,7 +9,7 @@ use super::profile::Profile;
 use super::question::{Question, which};
 use super::request;
 use crate::coverage::{Gap, LeftOut};
-use crate::dialogue::answer_grammar::closed;
+use crate::dialogue::answer_grammar::{Form, closed};
 use crate::dialogue::{
     Candidate, ChatRequest, ConstraintKind, Decision, Dialogue, DialogueError, PartCost, Reading, Reply, Round, Task,
     TokenCounter, Transcript, object, plain_line,
@@ -21,6 +21,8 @@ use crate::model::Domain;
 
 /// The token budget of an answer under a grammar.
 const GRAMMAR_TOKENS: u32 = 384;
+/// The token budget of the beginning of a prohibition. A whole one is no likelier, so that one which is unlikely here is not written.
+const BEGINNING_TOKENS: u32 = 2;
 /// The token budget of a server's answer.
 pub(super) const ANSWER_TOKENS: u32 = 1024;
 
@@ -79,7 +81,8 @@ impl Examples {
 }
 
 /// Lets a model say what an instruction means. One request; a second one where a model under a grammar would ask: for the goal that it
-/// takes to be meant, which decides whether to ask, and what.
+/// takes to be meant, which decides whether to ask, and what. A model that was trained for the request is asked for two tokens more behind a
+/// goal that forbids nothing: how likely it finds a prohibition there ([`Profile::prohibition`]).
 ///
 /// ```
 /// use longstep::dialogue::{ConstraintKind, Dialogue, Reply};
@@ -108,8 +111,30 @@ pub struct Understanding {
     /// False once the model has asked: the next answer is a goal.
     asks: bool,
     candidates: Vec<Candidate>,
+    /// The goal that will be acted on unless a prohibition behind it is likely.
+    second_look: Option<SecondLook>,
     /// True if showing the scene, or the possible answers, takes too much work.
     is_exhausted: bool,
+}
+
+/// A goal without a prohibition, whose instruction may have one: the model goes on behind its answer with a prohibition, and what counts is
+/// how likely it finds that.
+#[derive(Debug, Clone)]
+struct SecondLook {
+    read: Answer,
+    profile: Profile,
+    decision: Decision,
+    /// The form of the prohibitions.
+    form: Form,
+    /// False while only the beginning is asked for.
+    is_whole: bool,
+}
+
+impl SecondLook {
+    fn is_likely(&self, reply: &Reply) -> bool {
+        let likelihood = reply.likelihood.map(|own| own.text);
+        matches!((self.profile.prohibition, likelihood), (Some(limit), Some(own)) if own >= limit)
+    }
 }
 
 /// The answer of a server. Models without an enforced schema also write a list of goals, and null for nothing.
@@ -195,6 +220,7 @@ impl Understanding {
             mentions,
             asks: true,
             candidates: Vec::new(),
+            second_look: None,
             is_exhausted: shown.exhausted,
         }
     }
@@ -256,7 +282,65 @@ impl Understanding {
         let ahead = reply.likelihood.and_then(|own| own.ahead);
         let likelihood = likelihood.filter(|_| read.goal.is_some());
         let decision = profile.decide(has_asked || read.goal.is_none(), likelihood, ahead);
+        if let Some(form) = self.form_of_second_look(&read, &profile, decision) {
+            let (goal, _) = answer::split(&text);
+            let goal = goal.trim().to_owned();
+            self.transcript.clear_answer();
+            self.transcript.begin_answer(&goal);
+            self.second_look = Some(SecondLook {
+                read,
+                profile,
+                decision,
+                form,
+                is_whole: false,
+            });
+            return Ok(None);
+        }
         Ok(Some(self.interpreted(read, profile, decision, String::new())))
+    }
+
+    /// Returns the form of the prohibitions that may be missing in an answer; none if the model need not be asked for them.
+    fn form_of_second_look(&self, read: &Answer, profile: &Profile, decision: Decision) -> Option<Form> {
+        profile.prohibition?;
+        let goal = read.goal.as_ref()?;
+        let says_one = read.left_out.iter().any(|part| part.kind == Gap::Prohibition);
+        if !decision.acts() || says_one || !goal.constraints.is_empty() {
+            return None;
+        }
+        answer::more_constraints(&self.world)
+    }
+
+    /// Reads what the model would forbid, and how likely it finds that. Asks about a prohibition that is not unlikely.
+    fn looked_again(&mut self, mut look: SecondLook, reply: &Reply) -> Result<Option<Interpretation>, DialogueError> {
+        let is_likely = look.is_likely(reply);
+        if is_likely && !look.is_whole {
+            self.transcript.receive_beginning(reply);
+            look.is_whole = true;
+            self.second_look = Some(look);
+            return Ok(None);
+        }
+        let likelihood = reply.likelihood.map(|own| own.text);
+        let place = self.candidates.len().saturating_sub(1);
+        let forbidden = Candidate::new(reply.text.trim().to_owned(), likelihood);
+        if !is_likely {
+            self.transcript.receive_beginning(reply);
+            self.candidates.insert(place, forbidden);
+            return Ok(Some(self.interpreted(
+                look.read,
+                look.profile,
+                look.decision,
+                String::new(),
+            )));
+        }
+        self.transcript.receive(reply)?;
+        self.candidates.push(forbidden);
+        let with = answer::read(&self.world, self.transcript.answer())?;
+        let read = Answer {
+            left_out: look.read.left_out,
+            ..with
+        };
+        let decision = Decision::AskForProhibition;
+        Ok(Some(self.interpreted(read, look.profile, decision, String::new())))
     }
 
     /// Asks about an answer that is no goal in this world.
@@ -301,7 +385,7 @@ impl Understanding {
             Decision::AskWhich => (None, which),
             Decision::Act | Decision::ActOnOnly | Decision::ActInsteadOfAsking => (goal, None),
             Decision::Ask if !asked.is_empty() => (goal, Some(asked)),
-            Decision::Ask | Decision::AskForUnlikely => {
+            Decision::Ask | Decision::AskForUnlikely | Decision::AskForProhibition => {
                 let question = Question::about(&self.world, &self.mentions, goal);
                 (question.goal, Some(question.text))
             }
@@ -338,8 +422,12 @@ impl Dialogue for Understanding {
     fn request(&self) -> ChatRequest {
         match self.transcript.kind {
             ConstraintKind::Grammar => {
-                let form = answer::form(&self.world, &self.words, self.asks);
-                self.transcript.under_grammar(form.grammar(), GRAMMAR_TOKENS)
+                let (form, tokens) = match &self.second_look {
+                    Some(look) if look.is_whole => (look.form.clone(), GRAMMAR_TOKENS),
+                    Some(look) => (look.form.clone(), BEGINNING_TOKENS),
+                    None => (answer::form(&self.world, &self.words, self.asks), GRAMMAR_TOKENS),
+                };
+                self.transcript.under_grammar(form.grammar(), tokens)
             }
             ConstraintKind::JsonSchema => self.transcript.under_schema(Self::schema(), ANSWER_TOKENS),
         }
@@ -353,6 +441,9 @@ impl Dialogue for Understanding {
     fn supply(&mut self, reply: &Reply) -> Result<Option<Interpretation>, DialogueError> {
         if self.is_exhausted {
             return Err(DialogueError::TooMuchWork);
+        }
+        if let Some(look) = self.second_look.take() {
+            return self.looked_again(look, reply);
         }
         self.transcript.receive(reply)?;
         match self.transcript.kind {

@@ -14,6 +14,9 @@ pub struct Profile {
     pub goal_ahead: Option<i64>,
     /// The likelihood above which the best goal is acted on although the model would ask.
     pub instead_of_question: Option<i64>,
+    /// The likelihood of a prohibition behind a goal that has none, from which on the person is asked whether it is meant; none for a
+    /// model that is not asked for it.
+    pub prohibition: Option<i64>,
     /// True if the person is asked which one is meant where the words name several things that the goal could be about.
     pub asks_which: bool,
 }
@@ -25,6 +28,7 @@ impl Profile {
         goal: Some(-700),
         goal_ahead: Some(-4000),
         instead_of_question: Some(-700),
+        prohibition: Some(-10_000),
         asks_which: false,
     };
     /// A model that gives likelihoods and was not trained: it is sure of little.
@@ -33,6 +37,7 @@ impl Profile {
         goal: Some(-1500),
         goal_ahead: None,
         instead_of_question: None,
+        prohibition: None,
         asks_which: true,
     };
     /// A model without likelihoods, as servers have them. It is strong, or chosen by somebody who knows it: it is believed.
@@ -41,6 +46,7 @@ impl Profile {
         goal: None,
         goal_ahead: None,
         instead_of_question: None,
+        prohibition: None,
         asks_which: false,
     };
 }
@@ -52,6 +58,7 @@ impl Profile {
             Decision::Act | Decision::AskForUnlikely => self.goal,
             Decision::ActOnOnly => self.goal_ahead,
             Decision::ActInsteadOfAsking | Decision::Ask => self.instead_of_question,
+            Decision::AskForProhibition => self.prohibition,
             Decision::AskWhich => None,
         }
         .map(nats)
