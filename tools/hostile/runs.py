@@ -150,7 +150,7 @@ def log(genes, rng):
     goal = {"goal": goal_of(genes, rng, world)} if genes["goals"] else {}
     names = Names({**genes, "rule": 3 if genes["odd"] else 6}, rng, world)
     constraints = {"constraints": [[names.rule(), True] for _ in range(genes["rules"])]} if genes["rules"] else {}
-    began = {"event": "began", "format": 2, "domain": "household", "environment": world, "plan": plan, **goal, **constraints, "approval": "never", "watch": "each-step", "changes": 8, "reports": ["hand-at", "lifted", "wiped", "adjusted"]}
+    began = {"event": "began", "format": 3, "domain": "household", "environment": world, "plan": plan, **goal, **constraints, "approval": "never", "trust": "observed", "watch": "each-step", "changes": 8, "reports": ["hand-at", "lifted", "wiped", "adjusted"]}
     seen = {"event": "observed", "statements": {"states": {}}}
     events = [began, seen]
     for number in range(genes["done"]):
