@@ -136,24 +136,41 @@ fn the_table_decides_about_answers_under_a_grammar() {
     let (domain, world) = kitchen();
     let butter = "put(butter, counter)";
     let sure = "Should I put the butter at the counter?";
+    // Behind a goal that is acted on, the model is asked for a prohibition: the beginning of one, and then all of it.
+    let (beginning, whole) = (" & never", " & never opened(fridge)");
+    let forbidden = format!("{butter}{whole}");
     for (replies, decision, question) in [
-        (&[(butter, -20)][..], Decision::Act, ""),
+        (&[(butter, -20), (beginning, -16_000)][..], Decision::Act, ""),
+        (
+            &[(butter, -20), (beginning, -9000), (whole, -12_000)],
+            Decision::Act,
+            "",
+        ),
+        (
+            &[(butter, -20), (beginning, -3000), (whole, -4000)],
+            Decision::AskForProhibition,
+            "Do you mean: the butter is at the counter; at no time: the fridge is open?",
+        ),
+        (&[(&*forbidden, -20)], Decision::Act, ""),
         (&[(butter, -9000)], Decision::AskForUnlikely, sure),
         (&[("question:", -10), (butter, -9000)], Decision::Ask, sure),
-        (&[("question:", -500), (butter, -20)], Decision::ActInsteadOfAsking, ""),
+        (
+            &[("question:", -500), (butter, -20), (beginning, -16_000)],
+            Decision::ActInsteadOfAsking,
+            "",
+        ),
     ] {
         let input = UnderstandingInput::new(&domain, &world, "Butter, counter", ConstraintKind::Grammar);
         let mut dialogue = Understanding::new(input);
-        let mut meant = None;
+        let (mut meant, mut meanings) = (None, 0);
         for (text, likelihood) in replies {
             assert!(meant.is_none());
             let Constraint::Lark(grammar) = dialogue.request().constraint else {
                 panic!("no grammar")
             };
-            assert_eq!(
-                grammar.contains("question:"),
-                *text == "question:" || replies.len() == 1
-            );
+            let may_ask = meanings == 0;
+            assert_eq!(grammar.contains("question:"), may_ask, "{text}");
+            meanings += 1;
             let likelihood = Some(Likelihood {
                 text: *likelihood,
                 is_trained: true,
@@ -168,8 +185,16 @@ fn the_table_decides_about_answers_under_a_grammar() {
         let meant = meant.unwrap();
         assert_eq!(meant.reading.decision, decision);
         assert_eq!(meant.question.unwrap_or_default(), question);
-        assert_eq!(meant.reading.candidates.len(), replies.len());
-        assert_eq!(meant.goal.unwrap().everyday(&world), [butter]);
+        let beginnings = replies.iter().filter(|(text, _)| *text == whole).count();
+        assert_eq!(meant.reading.candidates.len() + beginnings, replies.len());
+        let goal = meant.goal.unwrap().everyday(&world);
+        let is_forbidden = replies[0].0 == forbidden || decision == Decision::AskForProhibition;
+        let expected = if is_forbidden {
+            &[butter, "never opened(fridge)"][..]
+        } else {
+            &[butter]
+        };
+        assert_eq!(goal, expected);
     }
 }
 
