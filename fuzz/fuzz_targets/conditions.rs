@@ -73,13 +73,13 @@ fn check_problem(problem: &Problem) {
     let Some(holds_now) = all_hold(world, &world.state, wanted) else {
         return;
     };
-    let written = pddl::write_problem(world, &Purpose::from(&problem), "p").expect("there are no rules for every state");
+    let written = pddl::write_problem(world, &Purpose::from(problem), "p").expect("there are no rules for every state");
     let again = pddl::read_problem(&BARE, "again.pddl", &written).expect("what was written can be read");
     assert_eq!(again.world.state, world.state, "{written}");
     if let Some(holds_again) = all_hold(&again.world, &again.world.state, &again.wanted) {
         assert_eq!(holds_again, holds_now, "{written}");
     }
-    let spent = effort::within(UNITS, || search::solve(world, &Purpose::from(&problem), &SMALL));
+    let spent = effort::within(UNITS, || search::solve(world, &Purpose::from(problem), &SMALL));
     match spent.result {
         _ if spent.exhausted => {}
         Outcome::Solved { plan, .. } => {

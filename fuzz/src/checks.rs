@@ -77,7 +77,7 @@ fn check_as_written(domain: &Domain, world: &World, assessment: &Assessment<'_>)
             }
             let is_valid = report.violations.is_empty();
             if assessment.question().is_none() {
-                assert_eq!((answer.status == longstep::report::Status::Verified), is_valid, "{:?}", report.violations);
+                assert_eq!(answer.status == longstep::report::Status::Verified, is_valid, "{:?}", report.violations);
             }
             if is_valid {
                 check_again(world, &plan, &assessment.purpose);
