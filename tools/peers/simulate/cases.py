@@ -23,7 +23,7 @@ SCENES = {
     "household-checks": scenes.checks,
     "household-dual": lambda random: scenes.household(random, dual=True),
     "virtualhome": scenes.virtualhome,
-    str(words.SHIPPED.parent / "examples/greenhouse"): scenes.greenhouse,
+    str(words.ROOT / "examples/greenhouse"): scenes.greenhouse,
 }
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from . import pddl
 
-SHIPPED = Path(__file__).resolve().parents[3] / "crates/longstep-model/domains"
+ROOT = Path(__file__).resolve().parents[3]
+SHIPPED = ROOT / "crates/longstep-model/domains"
 CALL = re.compile(r"^\s*([\w-]+)\s*\((.*)\)\s*$", re.S)
 
 
