@@ -153,33 +153,41 @@ fn test_files(files: &[PathBuf]) -> BTreeSet<PathBuf> {
     found
 }
 
+/// The root file of a crate.
+fn root(folder: &Path) -> PathBuf {
+    let roots = ["lib.rs", "main.rs"].map(|file| folder.join(file));
+    roots.into_iter().find(|file| file.exists()).unwrap()
+}
+
+/// The files of a crate's modules, each with its module; neither the root nor files of tests.
+fn module_files(folder: &Path) -> Vec<(String, PathBuf)> {
+    let (root, files) = (root(folder), sources(folder));
+    let tests = test_files(&files);
+    let inside = files
+        .into_iter()
+        .filter(|file| *file != root && !tests.iter().any(|test| file.starts_with(test)));
+    let with_module = |file: PathBuf| {
+        let inside = file.strip_prefix(folder).unwrap();
+        let first = inside.components().next().unwrap().as_os_str().to_str().unwrap();
+        (first.trim_end_matches(".rs").to_owned(), file)
+    };
+    inside.map(with_module).collect()
+}
+
 fn edges(name: &str) -> Edges {
     let folder = crates().join(name).join("src");
-    let roots = ["lib.rs", "main.rs"].map(|file| folder.join(file));
-    let root = roots.into_iter().find(|file| file.exists()).unwrap();
-    let re_exports = re_exports(&code(&fs::read_to_string(&root).unwrap()));
-    let files = sources(&folder);
-    let tests = test_files(&files);
-    let inside: Vec<&PathBuf> = files
-        .iter()
-        .filter(|file| **file != root && !tests.iter().any(|test| file.starts_with(test)))
-        .collect();
-    let module_of = |path: &Path| {
-        let inside = path.strip_prefix(&folder).unwrap();
-        let first = inside.components().next().unwrap().as_os_str().to_str().unwrap();
-        first.trim_end_matches(".rs").to_owned()
-    };
-    let modules: BTreeSet<String> = inside.iter().map(|file| module_of(file)).collect();
+    let re_exports = re_exports(&code(&fs::read_to_string(root(&folder)).unwrap()));
+    let inside = module_files(&folder);
+    let modules: BTreeSet<&String> = inside.iter().map(|(module, _)| module).collect();
     let mut edges = Edges::new();
-    for file in inside {
-        let from = module_of(file);
+    for (from, file) in &inside {
         for (line, name) in crate_names(&code(&fs::read_to_string(file).unwrap())) {
             let to = if modules.contains(&name) {
                 Some(&name)
             } else {
                 re_exports.get(&name)
             };
-            if let Some(to) = to.filter(|to| **to != from && modules.contains(*to)) {
+            if let Some(to) = to.filter(|to| *to != from && modules.contains(to)) {
                 let place = format!(
                     "{}:{line}: crate::{name}",
                     file.strip_prefix(&folder).unwrap().display()
@@ -247,17 +255,8 @@ fn architecture_names_every_module() {
         let heading = format!("\n## Modules of `{name}`\n");
         let section = page.split(&heading).nth(1).and_then(|rest| rest.split("\n## ").next());
         let listed = quoted_names(section.unwrap_or_default());
-        let folder = crates().join(name).join("src");
-        let files = sources(&folder);
-        let tests = test_files(&files);
-        let is_test = |file: &PathBuf| tests.iter().any(|test| file.starts_with(test));
-        let modules: BTreeSet<String> = files
-            .iter()
-            .filter(|file| !is_test(file))
-            .map(|file| file.strip_prefix(&folder).unwrap().components().next().unwrap())
-            .map(|first| first.as_os_str().to_str().unwrap().trim_end_matches(".rs").to_owned())
-            .filter(|module| !matches!(module.as_str(), "lib" | "main"))
-            .collect();
+        let inside = module_files(&crates().join(name).join("src"));
+        let modules: BTreeSet<&String> = inside.iter().map(|(module, _)| module).collect();
         let left_out = modules.iter().filter(|module| !listed.contains(module.as_str()));
         missing.extend(left_out.map(|module| format!("{name}: {module}")));
     }

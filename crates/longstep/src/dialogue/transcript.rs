@@ -157,7 +157,7 @@ impl Transcript {
 
     /// Sets the beginning of the next answer.
     pub(crate) fn begin_answer(&mut self, begin: &str) {
-        self.answer.push_str(begin);
+        begin.clone_into(&mut self.answer);
     }
 
     /// Forgets the answer so far: the next request is for another one.

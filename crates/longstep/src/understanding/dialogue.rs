@@ -284,9 +284,7 @@ impl Understanding {
         let decision = profile.decide(has_asked || read.goal.is_none(), likelihood, ahead);
         if let Some(form) = self.form_of_second_look(&read, &profile, decision) {
             let (goal, _) = answer::split(&text);
-            let goal = goal.trim().to_owned();
-            self.transcript.clear_answer();
-            self.transcript.begin_answer(&goal);
+            self.transcript.begin_answer(goal.trim());
             self.second_look = Some(SecondLook {
                 read,
                 profile,
