@@ -103,12 +103,14 @@ impl Additive {
             if value > self.value[proposition as usize] {
                 continue;
             }
+            // As in Dijkstra's algorithm this cost is final, and costlier propositions are in no relaxed plan.
             if proposition == self.relaxed.goal {
                 break;
             }
             looked_at += 1 + self.relaxed.needed_by.of(proposition).len();
             for at in 0..self.relaxed.needed_by.of(proposition).len() {
                 let rule = self.relaxed.needed_by.of(proposition)[at];
+                // A sum that saturates must not look unreachable, which would count as a proof.
                 let total = self.total[rule as usize].saturating_add(value).min(UNREACHED - 1);
                 self.total[rule as usize] = total;
                 self.missing[rule as usize] -= 1;
@@ -145,6 +147,7 @@ impl Additive {
             }
             self.stack.extend(self.relaxed.needs.of(rule));
             let payer = self.relaxed.payer[rule as usize];
+            // An operator is paid once, however many of its conditional effects the plan uses.
             if payer != NONE && std::mem::replace(&mut self.applied[payer as usize], self.round) != self.round {
                 cost = cost.saturating_add(self.price[rule as usize]);
                 preferred.push(payer);
@@ -153,6 +156,7 @@ impl Additive {
         effort::spend(looked_at / LOOKS);
         preferred.sort_unstable();
         Estimate {
+            // A product with a weight must not saturate, or all expensive states would rank alike.
             cost: Some(cost.min(UNREACHED / 64)),
             preferred,
         }

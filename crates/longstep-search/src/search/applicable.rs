@@ -54,6 +54,7 @@ impl Applicable {
             };
             found.extend(list.iter().filter(applicable));
         }
+        // The order of the task begins with operators about entities of the goal.
         found.sort_unstable();
         effort::spend(1 + tested / 4);
     }

@@ -69,6 +69,7 @@ impl Bits {
 
     /// Iterates over the facts, of which the task has `facts`, that two states differ in.
     pub(super) fn changed_facts(&self, other: &Bits, facts: usize) -> impl Iterator<Item = u32> {
+        // Rules mention numbers by tests only, which are facts, so the words of numbers are left out.
         let words = self.0.iter().zip(&other.0).take(facts.div_ceil(64)).enumerate();
         words.flat_map(|(word, (one, other))| {
             let mut bits = one ^ other;

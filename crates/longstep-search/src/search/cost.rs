@@ -46,6 +46,7 @@ pub(super) fn price(world: &World, task: &mut Task) -> Result<Costs, String> {
         let longest = greatest.saturating_mul(*factor).saturating_add(1).saturating_mul(STEPS);
         longest <= GREATEST
     };
+    // In a plan of fewer than `factor` steps the fractions sum to less than one unit of cost, so they only break ties.
     let Some(factor) = [STEPS, STEPS / 10, 1].into_iter().find(affordable) else {
         let span = Number::of_millionths(i64::try_from(divisor).unwrap_or(i64::MAX)).unwrap_or_default();
         return Err(format!(
@@ -72,6 +73,7 @@ fn fixed(world: &World, step: &GroundAction) -> Result<Number, String> {
         return Ok(Number::ZERO);
     };
     match cost.ground(world, &step.arguments) {
+        // A* and its lower bounds rely on costs that are not negative.
         Arithmetic::Constant(number) if number >= Number::ZERO => Ok(number),
         Arithmetic::Constant(number) => Err(format!("the cost of `{}` is negative: {number}", action.name)),
         _ => Err(format!(

@@ -127,7 +127,9 @@ fn helps(task: &Task) -> Vec<Helps> {
     // A literal in an effect's condition helps as the effect does; if the effect has both polarities, so does the
     // literal.
     let units = task.units();
+    // A value only moves from `Anyhow` through `When` to `Both`, so the loop ends.
     loop {
+        // Incomplete values prune too much, but a search without budget proves nothing.
         if !effort::spend(units) {
             return helps;
         }

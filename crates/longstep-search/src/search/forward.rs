@@ -21,9 +21,11 @@ use longstep_model::model::World;
 use longstep_verify::plan::Step;
 
 /// Weight of the heuristic in the greedy search.
+// Weighted A* (Pohl, 1970): with a lower bound as the estimate, a plan costs at most this times the least cost.
 const GREED: u32 = 5;
 
 /// Work units of one run for another part of the library.
+// As much as one run for a shortest plan gets at normal effort.
 const EFFORT: u64 = 8_000_000;
 
 /// Result of a search without sensing.
@@ -100,6 +102,7 @@ impl Straight {
 /// Finds a plan in runs that give up less and less: a shortest plan of the focused task; if that reaches a limit, any plan
 /// of it, and then any plan of the whole task, each improved.
 pub(super) fn search(task: &Task, limits: &Limits) -> Straight {
+    // The most direct plans nearly always contain a shortest one, and their task is much smaller.
     let focused = relevance::focus(task);
     let mut runs = Runs {
         task,
@@ -113,9 +116,11 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Straight {
     });
     let direct_is_unsolvable = match direct {
         Found::Path(path) => return runs.proven(&focused, &path),
+        // The focused task loses plans, so this proves nothing about the whole one.
         Found::Nothing => true,
         Found::Limit => false,
     };
+    // Greedy search in the focused task would find nothing either.
     if direct_is_unsolvable && let Some(result) = runs.shortest() {
         return result;
     }
@@ -125,6 +130,7 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Straight {
     if let Some(result) = runs.any(task) {
         return result;
     }
+    // A* has failed on the smaller task, so it comes last on the whole one. It may still prove that there is no plan.
     if !direct_is_unsolvable && let Some(result) = runs.shortest() {
         return result;
     }
@@ -172,6 +178,7 @@ impl Runs<'_> {
             let mut heuristic = LandmarkCut::new(task);
             let mut proof = Search::new(task, &mut heuristic, 1, limit);
             proof.below = Some(cost);
+            // Only a cheaper plan matters here, so it need not be the most natural one of its cost.
             proof.dominance = Some(Dominance::new(task));
             let (found, expanded) = proof.run();
             ((found, proof.bound), expanded)
@@ -179,6 +186,7 @@ impl Runs<'_> {
         match found {
             Found::Path(cheaper) => self.solved(task, &cheaper, improve::cost(task, &cheaper)),
             Found::Nothing => self.solved(from, path, cost),
+            // A run that is cut short is no proof, so its bound stays below the cost of the plan.
             Found::Limit => self.solved(from, path, bound.min(cost.saturating_sub(1))),
         }
     }
@@ -207,6 +215,7 @@ impl Runs<'_> {
                 let limit = self.limits.any;
                 let units = spare(self.limits.run_for_any());
                 let (path, proven) = self.run(units, || improve(&mut lazy, task, path, limit));
+                // A proof about the focused task says nothing about plans with other operators.
                 if proven && is_whole {
                     return Some(self.solved(task, &path, improve::cost(task, &path)));
                 }
@@ -240,6 +249,7 @@ pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<
     let mut heuristic = LandmarkCut::new(task);
     let mut search = Search::new(task, &mut heuristic, 1, limit);
     search.below = below;
+    // Without a bound this plan is shown, and dominance may replace it by a less natural one of equal cost.
     if below.is_some() {
         search.dominance = Some(Dominance::new(task));
     }
@@ -265,6 +275,7 @@ pub(crate) enum Found<P> {
 }
 
 /// Priority of a node in the open list: f-value, then heuristic value, then preferred operators, then order of discovery.
+// Among equal f-values the smallest estimate goes first, so A* seldom expands the whole last layer.
 type Priority = Reverse<(u32, u32, bool, u32)>;
 
 struct Search<'a> {
@@ -319,9 +330,11 @@ impl<'a> Search<'a> {
                 return (Found::Limit, expanded);
             }
             let node = &self.nodes[number as usize];
+            // The heap has no decrease-key: an entry is stale once its node is expanded or has a cheaper path.
             if node.expanded || promise > self.promise(node) {
                 continue;
             }
+            // Some node on a cheapest path is always open, so the least f-value in the open list is a lower bound.
             self.bound = self.bound.max(promise);
             if self.below.is_some_and(|below| promise >= below) {
                 // No open node has a lower f-value.
@@ -330,6 +343,7 @@ impl<'a> Search<'a> {
             if self.task.goal.holds(&|literal| node.state.is(literal)) {
                 return (Found::Path(path(&self.nodes, number)), expanded);
             }
+            // Lazy evaluation: many nodes are never taken, and landmark cuts are the costly part of a node.
             if !node.estimated {
                 if estimated == self.limit {
                     return (Found::Limit, expanded);
@@ -346,6 +360,7 @@ impl<'a> Search<'a> {
                 node.estimated = true;
                 node.estimate = node.estimate.max(cost);
                 let later = self.promise(&self.nodes[number as usize]);
+                // With the larger f-value another node may come first.
                 if later > promise {
                     self.open.push(self.priority(number, false));
                     continue;
@@ -354,6 +369,7 @@ impl<'a> Search<'a> {
             expanded += 1;
             self.expand(number);
         }
+        // Successors are missing for lack of budget, so the empty open list proves nothing.
         if effort::is_exhausted() {
             return (Found::Limit, expanded);
         }
@@ -392,6 +408,7 @@ impl<'a> Search<'a> {
                 }
                 continue;
             };
+            // Pathmax (Méro, 1984): a bound of the parent, less the cost of the step, bounds the successor too.
             let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));
             let is_preferred = preferred.binary_search(&(index as u32)).is_ok();
             self.discover(next, Some((number, index as u32)), depth, estimate, is_preferred);
@@ -406,6 +423,7 @@ impl<'a> Search<'a> {
             return;
         }
         let number = self.nodes.len() as u32;
+        // A pruned state does not become known, so that a cheaper path to it is compared again.
         if let Some(dominance) = &mut self.dominance
             && !dominance.admits(&state, depth)
         {

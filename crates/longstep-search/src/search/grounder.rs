@@ -108,6 +108,7 @@ impl<'a> Grounder<'a> {
     /// Marks in the operators the requirements on numbers that they may change.
     pub(super) fn mark(&self, operators: &mut [Operator]) {
         let state = &self.world.state;
+        // On a copy, because the caller still needs the meanings of the tests.
         self.fluents.clone().finish(|fluent| state.number(fluent), operators);
     }
 
@@ -137,6 +138,7 @@ impl<'a> Grounder<'a> {
         bindings: &mut Bindings,
         parts: &mut Vec<Formula>,
     ) {
+        // One formula for each binding: an instance that is broken at first must not release the others.
         let Condition::Forall(slot, kind, inner) = condition else {
             return parts.push(self.formula(condition, bindings));
         };
@@ -447,6 +449,7 @@ impl<'a> Grounder<'a> {
         bindings: &mut Bindings,
     ) -> Cow<'a, [EntityId]> {
         let (domain, world) = (self.domain, self.world);
+        // Facts that an action may change must not narrow the choice, since they may hold later.
         let unchanging = |atom: &Atom, at: When| at != When::Now || !domain.words(atom.predicate).fluent;
         let moment = Moment {
             world,

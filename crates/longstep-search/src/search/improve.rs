@@ -25,10 +25,12 @@ pub(super) fn improve(lazy: &mut Lazy<'_>, task: &Task, path: Vec<u32>, limit: u
     let (mut evaluated, mut weights) = (0, WEIGHTS.iter().peekable());
     while let Some(weight) = weights.peek() {
         let rank = Rank::Weighted(**weight);
+        // Each run starts afresh: nodes that a greedier run left open would bias the next one.
         let (found, more) = lazy.run(rank, Some(cost(task, &path)), limit - evaluated);
         evaluated += more;
         match found {
             Found::Path(cheaper) => path = without_waste(task, &lazy.successors, cheaper),
+            // The run has looked at every path below the cost, whatever its weight.
             Found::Nothing => return ((path, true), evaluated),
             Found::Limit => break,
         }
@@ -40,6 +42,7 @@ pub(super) fn improve(lazy: &mut Lazy<'_>, task: &Task, path: Vec<u32>, limit: u
 
 /// Drops steps that the plan reaches its goal without, each together with the later steps that rely on it.
 fn without_waste(task: &Task, successors: &Successors<'_>, mut path: Vec<u32>) -> Vec<u32> {
+    // Action elimination (Nakhost and Müller, 2010), in time quadratic in the length of the plan.
     let (mut state, mut at) = (start(task), 0);
     while at < path.len() {
         match rest_without(task, successors, &state, &path[at + 1..]) {
@@ -48,6 +51,7 @@ fn without_waste(task: &Task, successors: &Successors<'_>, mut path: Vec<u32>) -
                 path.extend(rest);
             }
             None => {
+                // Every step of a plan is applicable, so only an exhausted budget leads here.
                 let Some(next) = step(task, successors, &state, path[at]) else {
                     return path;
                 };

@@ -14,6 +14,7 @@ use longstep_model::effort;
 const LOOKS: usize = 8;
 
 /// Costs below this have a bucket each; higher ones occur in domains with costs of their own.
+// Counting up through buckets is fast only where costs are small and close together.
 const DENSE: u32 = 4_096;
 
 /// Value of an unreachable proposition.
@@ -103,6 +104,7 @@ impl LandmarkCut {
         let mut preferred = Vec::new();
         self.looked_at = self.price.len() + self.value.len();
         self.values();
+        // A loop that ends for lack of budget leaves the sum of fewer cuts, which is a lower bound too.
         while effort::spend(std::mem::take(&mut self.looked_at) / LOOKS + 1) {
             match self.value[self.relaxed.goal as usize] {
                 UNREACHED => {
@@ -127,6 +129,8 @@ impl LandmarkCut {
                 debug_assert!(false, "an empty cut");
                 break;
             };
+            // Every plan contains an operator of the cut, so it costs at least the least price. The rest of the prices
+            // stays for later cuts.
             bound += least;
             preferred.extend_from_slice(&self.cut);
             self.lower(least);
@@ -171,6 +175,7 @@ impl LandmarkCut {
             for at in 0..self.relaxed.paid_by.of(operator).len() {
                 let rule = self.relaxed.paid_by.of(operator)[at];
                 self.price[rule as usize] -= least;
+                // A rule with an unreached condition stays so: cheaper operators reach nothing new.
                 if self.supporter[rule as usize] != NONE {
                     self.fire(rule);
                 }
@@ -266,6 +271,7 @@ impl LandmarkCut {
         } = self;
         self.round += 1;
         let round = self.round;
+        // Round numbers serve as flags that need no clearing between cuts.
         near_goal[relaxed.goal as usize] = round;
         queue.push(relaxed.goal);
         *looked_at += self.start.len();

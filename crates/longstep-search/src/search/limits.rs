@@ -134,6 +134,8 @@ impl Limits {
 
     /// Work units of one run for any plan, or to improve it.
     pub(super) fn run_for_any(&self) -> u64 {
+        // At most two runs of each kind fail one after the other, which takes 80 % of the units. The rest is for
+        // grounding and relevance analysis.
         self.effort.units() / 25 * 6
     }
 }

@@ -98,11 +98,13 @@ pub fn solve(world: &World, purpose: &Purpose, limits: &Limits) -> Outcome {
     let domain = world.domain();
     let (world, target) = (&*purpose.world(world), Target::of(domain, purpose));
     let mut atoms = target.all().flat_map(|wanted| wanted.condition.atoms());
+    // An unknown outcome is absent from the state. Without sensing operators the search would take it for false.
     if atoms.any(|(atom, _)| domain.is_sensed(atom.predicate)) {
         return contingent::solve(world, &target, limits);
     }
     let senses = || domain.actions.iter().any(|action| !action.senses.is_empty());
     match straight(world, &target, limits) {
+        // The proof covers plans without sensing only, and an action may require a fact that sensing reveals.
         Straight::ProvenUnsolvable { .. } if senses() => contingent::solve(world, &target, limits),
         found => found.explained(world),
     }
@@ -119,6 +121,7 @@ pub(crate) fn ground_task(world: &World, purpose: &Purpose) -> (Task, Vec<Option
 /// Finds a shortest plan without sensing.
 fn straight(world: &World, target: &Target, limits: &Limits) -> Straight {
     let spent = effort::within(limits.effort.units(), || straight_within(world, target, limits));
+    // No result of an exhausted budget is used. A reserve in `forward` keeps a plan from being lost here.
     if spent.exhausted {
         Straight::GaveUp {
             why: TOO_MUCH.to_owned(),
@@ -134,6 +137,7 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
     let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
     let around = |far: &bool| whole.around(world, &requirements, &about, *far);
+    // Grounding takes time quadratic in the number of entities, so a large world begins with the nearest ones.
     let scopes = if whole.is_bearable(world) {
         vec![whole]
     } else {
@@ -161,6 +165,7 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
         let outcome = forward::search(&task, limits).priced(costs);
         match outcome {
             outcome if scope.whole => return outcome,
+            // A cheaper plan may use entities out of scope, so nothing is proven about the cost.
             Straight::Solved { steps, expanded, .. } if reaches(world, &steps, &target.wanted) => {
                 return Straight::Solved {
                     steps,
@@ -183,6 +188,7 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
 /// Returns true if the steps are applicable in the whole world and achieve all wanted conditions.
 fn reaches(world: &World, steps: &[GroundAction], wanted: &[Wanted]) -> bool {
     let mut state = world.state.clone();
+    // Quantified conditions range over more entities here than in the scope of the search.
     let possible = steps.iter().all(|step| {
         let action = world.domain().action(step.action);
         let moment = Moment { world, state: &state };

@@ -64,6 +64,7 @@ pub(super) fn after(task: &Task, state: &Bits, operator: &Operator) -> Bits {
 
 /// Applies the operators that record progress, each as soon as it is applicable.
 fn record(task: &Task, mut state: Bits) -> Bits {
+    // Marks come in the order of their stages, so one pass records all stages that one state completes.
     for mark in task.marks() {
         if mark.precondition.holds(&|literal| state.is(literal)) {
             state = applied(task, &state, mark);

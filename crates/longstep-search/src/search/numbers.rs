@@ -20,6 +20,7 @@ use longstep_model::model::{
 };
 
 /// Numbers below this size, in ones, do not leave the range of [`Number`] by constant changes within any search.
+// Numbers range to nine million times this, and no search looks at plans of so many steps.
 const TAME: i32 = 1_000_000;
 
 /// A requirement on numbers, and the fact with its value.
@@ -80,6 +81,7 @@ impl Numbers {
             let mut is_known = true;
             test.test
                 .for_each(&mut |variable| is_known &= known[*variable as usize]);
+            // Such a test has one value in every state, so no operator changes it.
             if !is_known || is_tame && self.is_always_known(&test.test) {
                 continue;
             }
@@ -92,6 +94,7 @@ impl Numbers {
                 .flat_map(|variable| depends[*variable as usize].iter().copied())
                 .collect();
             for variable in 0..self.initial.len() as u32 {
+                // A change that reaches the test through another variable has no known direction.
                 if indirect.contains(&variable) {
                     by_variable[variable as usize].push((index, false));
                 } else if direct.contains(&variable) {
@@ -299,6 +302,7 @@ fn trend(expression: &VariableExpression, variable: u32) -> Trend {
 
 /// Returns the values that an effect may directly give to a test of its variable: false, and true.
 fn outcomes(test: &NumberTest<u32>, effect: &GroundNumericEffect) -> [bool; 2] {
+    // An effect without a known direction counts in both, which keeps bounds and dead ends valid.
     let NumberTest::Compare(left, comparison, right) = test else {
         return [true; 2];
     };
@@ -363,6 +367,8 @@ impl NumberGrounder {
 
     /// Returns the literal for a requirement; `add` adds its fact if there is none yet.
     pub(super) fn literal(&mut self, test: GroundTest, add: impl FnOnce(&GroundTest) -> u32) -> Literal {
+        // Both values of "is known" are one fact. A comparison and its negation are two, since an unknown number makes
+        // both false.
         let (test, holds) = match test {
             NumberTest::Known(expression, known) => (NumberTest::Known(expression, true), known),
             compare => (compare, true),

@@ -162,6 +162,7 @@ impl Builder {
     fn rule(&mut self, mut needs: Vec<u32>, gives: &[u32], payer: u32) {
         needs.sort_unstable();
         needs.dedup();
+        // Landmark cuts follow each rule back to the condition that was reached last, so every rule needs one.
         if needs.is_empty() {
             needs.push(TRUTH);
         }

@@ -28,6 +28,7 @@ use longstep_model::effort;
 pub(crate) fn reduce(mut task: Task) -> Task {
     keep_reachable(&mut task);
     simplify(&mut task);
+    // Without forbidden operators, less is reachable and more facts are static.
     if keep_allowed(&mut task) {
         keep_reachable(&mut task);
         simplify(&mut task);
@@ -91,6 +92,7 @@ fn keep_allowed(task: &mut Task) -> bool {
                     kept.insert(*literal);
                 }
                 Formula::Or(parts) => disjunctions.push(parts.clone()),
+                // `Formula::and` flattens conjunctions, so there is none.
                 Formula::And(_) => {}
             }
         }
@@ -127,6 +129,7 @@ fn breaks(operator: &Operator, literal: Literal) -> bool {
 fn keep_disjunction(task: &mut Task, parts: &[Formula]) {
     let initially = |literal: Literal| task.initial[literal.fact as usize] == literal.holds;
     let mut holding = (0..parts.len()).filter(|index| parts[*index].holds(&initially));
+    // If two parts hold, an operator that breaks one of them leaves the other.
     let (Some(own), None) = (holding.next(), holding.next()) else {
         return;
     };
@@ -181,9 +184,11 @@ pub(super) fn reached(initial: &[bool], operators: &[Operator]) -> Vec<bool> {
 fn relaxed(initial: &[bool], operators: &[Operator], units: usize) -> (Vec<bool>, Vec<bool>) {
     let mut reached: Vec<bool> = initial.iter().flat_map(|holds| [!holds, *holds]).collect();
     let mut applied = vec![false; operators.len()];
+    // A round without budget reaches too little, but no result of an exhausted budget is used.
     while effort::spend(units) {
         let mut changed = false;
         for (operator, applied) in operators.iter().zip(&mut applied) {
+            // An applied operator is visited again, since conditions of its other effects may have become reachable.
             if !*applied && !operator.precondition.holds(&|literal| reached[index(literal)]) {
                 continue;
             }
@@ -232,6 +237,7 @@ fn simplify(task: &mut Task) {
     let take = |formula: &mut Formula| {
         let mut open = true;
         formula.for_each(&mut |literal| open &= changes[literal.fact as usize]);
+        // Most formulas have no static fact and are not copied.
         if !open {
             *formula = std::mem::replace(formula, Formula::TRUE).map(&literal);
         }
@@ -254,6 +260,7 @@ fn simplify(task: &mut Task) {
             .for_each(|effect| take(&mut effect.condition));
         operator.numeric.retain(|effect| !effect.condition.is_false());
     }
+    // A change of a number counts through its marks on tests, which are effects. Without effects nothing changes.
     task.operators
         .retain(|operator| !operator.precondition.is_false() && !operator.effects.is_empty());
 }
@@ -262,6 +269,7 @@ fn keep_relevant(task: &mut Task, focused: bool) {
     let mut search = Relevance::new(task, focused);
     search.require_all(&task.goal);
     task.always.iter().for_each(|rule| search.require_all(rule));
+    // The focused task may lose plans, so it spares the operators for delays and for broken rules.
     if !focused {
         search.require_rules();
         search.require_delays();
@@ -368,6 +376,7 @@ impl<'a> Relevance<'a> {
                     Formula::Literal(literal) => Some(*literal),
                     _ => None,
                 });
+                // A literal that stays true decides the disjunction, so nothing has to achieve its other parts.
                 match literals.into_iter().find(|literal| self.is_safe(*literal)) {
                     Some(literal) => self.relied_on.entry(index(literal)).or_default().push(condition),
                     None => parts.iter().for_each(|part| self.require_all(part)),

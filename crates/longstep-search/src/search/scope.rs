@@ -17,6 +17,7 @@ use longstep_model::model::{
 use longstep_verify::verify::Milestone;
 
 /// Maximum number of ground effects for which the whole world is grounded.
+// About 120 entities in the domain `virtualhome`.
 const BEARABLE: u64 = 300_000;
 
 /// Maximum number of entities that an existential condition adds to the scope.
@@ -142,6 +143,7 @@ fn most_choices(world: &World, condition: &Condition, slot: usize) -> Option<usi
         let state = world.past(at).unwrap_or(&world.state);
         let facts = state.of_predicate(atom.predicate);
         effort::spend(1 + facts.len());
+        // The largest group bounds the choices without an enumeration of the earlier slots.
         let mut counts: FxHashMap<Vec<EntityId>, usize> = FxHashMap::default();
         for fact in facts {
             *counts
@@ -313,6 +315,7 @@ impl Requirements {
             .filter(|(_, matters)| **matters)
         {
             let first = world.of_kind(TypeId::OBJECT).first().copied();
+            // Any entity stands in for the parameters, so that quantified variables have their own slots.
             let mut bindings: Bindings = first.iter().copied().cycle().take(action.parameters.len()).collect();
             if bindings.len() == action.parameters.len() {
                 named(world, &action.precondition, &mut bindings, &mut found);
@@ -356,6 +359,7 @@ fn around(world: &World, things: FxHashSet<EntityId>, far: bool) -> FxHashSet<En
     let mut found = things;
     for index in 0..domain.predicates.len() {
         let facts = world.state.of_predicate(PredicateId::new(index));
+        // So few facts of a fluent predicate are mostly about the robot, such as what it holds.
         if facts.len() <= 3 && domain.predicate_words[index].fluent {
             found.extend(facts.iter().flat_map(|fact| domain.arguments(*fact)));
         }
@@ -385,6 +389,7 @@ fn around(world: &World, things: FxHashSet<EntityId>, far: bool) -> FxHashSet<En
                     .of_predicate(id)
                     .iter()
                     .filter(|fact| fact.argument(1) == thing);
+                // An entity to which more facts refer, such as a floor, would bring most of the world into scope.
                 let others: Vec<EntityId> = of.map(|fact| fact.argument(0)).take(MANY + 1).collect();
                 if others.len() <= MANY {
                     // Includes entities that share a place, but not those that share a place with them.

@@ -31,6 +31,7 @@ impl Grounder<'_> {
             // The effects of the beginning, and the operators of the stage.
             let (mut begins, mut own) = (Vec::new(), Vec::new());
             let mut all = Vec::new();
+            // In the first stage all events of the plan count, so its conditions need no copies.
             self.copying = index > 0;
             for Milestone { wanted, anew } in stage {
                 let done = self.extra(false);
@@ -49,6 +50,7 @@ impl Grounder<'_> {
             self.copying = false;
             if let Some(begun) = begun {
                 begins.push(set(begun, Formula::TRUE));
+                // Only once: `open` records what is false when the stage begins, not what becomes false later.
                 marks.push(mark(Formula::and([is(begun, false), complete]), begins));
             }
             marks.extend(own);
@@ -75,6 +77,7 @@ impl Grounder<'_> {
     pub(super) fn copied(&self, condition: &Formula, fact: Fact) -> Vec<GroundEffect> {
         let copy = |stage: &StageEvents| {
             let number = stage.copies.get(&fact)?;
+            // Conditions refer to the state before the step: the step that completes a stage is no event of the next.
             Some(set(*number, Formula::and([condition.clone(), is(stage.begun, true)])))
         };
         self.events.iter().filter_map(copy).collect()

@@ -59,6 +59,7 @@ impl<'a> Successors<'a> {
             return None;
         }
         let next = after(self.task, state, operator);
+        // A step that changes nothing only makes a plan longer.
         (next != *state && self.keeps_rules(state, &next)).then_some(next)
     }
 
@@ -72,6 +73,7 @@ impl<'a> Successors<'a> {
             self.mentions[fact as usize].iter().all(|number| {
                 let rule = self.rules[*number as usize];
                 effort::spend(1 + units(rule));
+                // As in verification, a rule that is broken binds only from the state in which it holds again.
                 rule.holds(&|literal| after.is(literal)) || !rule.holds(&|literal| before.is(literal))
             })
         })

@@ -82,6 +82,7 @@ pub fn why_not(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
 
 fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
     let world = &*purpose.world(world);
+    // The world has these prohibitions too, and there each can be left out by itself.
     let purpose = &Purpose {
         prohibitions: Vec::new(),
         ..purpose.clone()
@@ -100,10 +101,12 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
     };
     let mut why = WhyNot::default();
     let rules = world.prohibitions();
+    // If the rules do not prevent a plan, this search saves one for each of them.
     if !rules.is_empty() && is_solved(&without(&|_| true), purpose) {
         // Each try copies the other rules.
         let is_free =
             |index: usize| effort::spend(RULE * rules.len()) && is_solved(&without(&|other| other == index), purpose);
+        // For a single rule, the search without all rules has already answered.
         let prevents = |index: &usize| rules.len() == 1 || is_free(*index);
         let single: Vec<usize> = (0..rules.len()).filter(prevents).collect();
         let which = if single.is_empty() {
@@ -134,6 +137,7 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
     why.together = count > 1 && why.goals.is_empty();
     let first = why.goals.first();
     why.missing = first.and_then(|index| missing(world, &conditions[*index]));
+    // A search without budget makes a goal look unreachable.
     if effort::is_exhausted() { WhyNot::default() } else { why }
 }
 
@@ -164,10 +168,12 @@ fn missing(world: &World, wanted: &Wanted) -> Option<Missing> {
         let denied = denied(world, &wanted.condition, &mut bindings);
         return denied.map(|(atom, holds)| Missing::Fact(ground(atom, &bindings), holds));
     }
+    // The delete relaxation reaches too much and never too little: no plan achieves what it misses.
     let reached = relevance::reached(&initial, &operators);
     let mut open = lacking(&goal, &reached);
     let mut seen: Vec<Literal> = Vec::new();
     let mut last = None;
+    // Actions may need each other's effects in a circle, so each literal is followed once.
     while let Some(literal) = open.iter().copied().find(|literal| !seen.contains(literal)) {
         last = Some(literal);
         seen.push(literal);
