@@ -22,6 +22,7 @@ use crate::search::task::Task;
 use longstep_model::effort;
 
 /// Maximum nesting depth of sensing.
+// The tree of a plan is no deeper either (`plan::tree::DEEPEST`).
 pub(super) const DEEPEST: usize = 48;
 
 /// The limit was reached.
@@ -163,6 +164,7 @@ impl<'a> Search<'a> {
         }
         let left_out = self.left_out;
         let course = self.search(start, below)?;
+        // Behind fewer sensing steps the same state may be solvable, so this result is not cached.
         if course.is_none() && self.left_out > left_out {
             return Ok(None);
         }
@@ -181,6 +183,7 @@ impl<'a> Search<'a> {
         let mut nodes = Nodes {
             all: Vec::new(),
             numbers: FxHashMap::default(),
+            // A loop returns to the very state in which its sensing began, which a dominating state is not.
             dominance: (!self.manner.looping).then(|| Dominance::new(self.task)),
         };
         let mut open = Open::default();
@@ -191,9 +194,11 @@ impl<'a> Search<'a> {
                 return Err(TooFar);
             }
             let exact = self.manner.weight == 1;
+            // Choices come in the order of their lower bounds, so no later one is cheaper.
             if exact && cost >= below {
                 break;
             }
+            // With an equal worst case, a later choice may have fewer steps in total.
             if let Some(best) = &best
                 && (!exact || cost > best.worst || self.manner.ties == 0)
             {
@@ -203,10 +208,12 @@ impl<'a> Search<'a> {
             match choice {
                 Choice::Node(number) => {
                     let node = &nodes.all[number as usize];
+                    // The total of a policy is at least its worst case, which the estimate bounds from below.
                     if node.expanded || cost > self.promise(node) || node.depth + node.estimate >= in_all {
                         continue;
                     }
                     if let Some(then) = self.is_end(node) {
+                        // Without a branch the total equals the worst case, so no policy is better.
                         return Ok(Some(Rc::new(nodes.straight(number, then))));
                     }
                     self.take_up(&mut nodes, &mut open, number, best.is_some())?;
@@ -214,6 +221,7 @@ impl<'a> Search<'a> {
                 Choice::Look(number, look) => {
                     let node = &nodes.all[number as usize];
                     let (depth, state) = (node.depth, node.state.clone());
+                    // Estimates of outcomes cost as much as those of nodes, so they wait until the choice is due.
                     if let Some((worst, sum)) = self.outcomes_at_least(&state, look)? {
                         let depth = depth + self.cost_of(look);
                         let cost = (depth + self.manner.weight * worst).max(cost);
@@ -235,6 +243,7 @@ impl<'a> Search<'a> {
                         .as_ref()
                         .map_or(below, |best| below.min(best.worst.saturating_add(1)));
                     if let Some(course) = self.solved(&nodes, number, look, below)? {
+                        // Back into the open list, since another choice may have a smaller bound than this worst case.
                         open.push(course.worst, 0, true, Choice::Solved(Rc::new(course)));
                     }
                 }
@@ -374,6 +383,7 @@ impl<'a> Search<'a> {
     fn outcomes_at_least(&mut self, state: &Bits, look: u32) -> Result<Option<(u32, u32)>, TooFar> {
         let (mut worst, mut sum) = (0, 0_u32);
         for operator in self.looks[look as usize].clone() {
+            // No check of the rules: that an outcome reveals a broken rule is no fault of the plan.
             let next = after(self.task, state, &self.task.operators[operator as usize]);
             let Some(cost) = self.estimate(&next, false)?.cost else {
                 return Ok(None);

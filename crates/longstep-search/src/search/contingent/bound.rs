@@ -43,6 +43,7 @@ impl Bounds {
         let groups = if looping { Vec::new() } else { groups(task) };
         let bounds = |group: Group| {
             let alone = |outcome: &u32| LandmarkCut::new(&only(task, &group, *outcome));
+            // The largest of fewer lower bounds is a lower bound too.
             let affordable = group.iter().take_while(|_| !effort::is_exhausted());
             let bounds = affordable.map(alone).collect();
             (group, bounds)
@@ -75,12 +76,14 @@ impl Bounds {
         };
         let unknown = |group: &Group| group.iter().all(|fact| !state.holds(*fact));
         let mut open = self.groups.iter_mut().filter(|(group, _)| unknown(group)).peekable();
+        // The tasks with a fixed outcome have fewer operators, so their bounds are seldom below the optimistic one.
         if open.peek().is_none() {
             take(&mut self.wishful);
         } else {
             open.flat_map(|(_, bounds)| bounds).all(take);
         }
         effort::spend(8 + estimate.preferred.len() / 8);
+        // Nested searches meet the same states again.
         self.known.insert(state.clone(), estimate.clone());
         estimate
     }

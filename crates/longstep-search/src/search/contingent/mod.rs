@@ -69,6 +69,7 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
         Some(whole)
     } else {
         // In a large world, only entities related to the goal; verification then checks the plan in the whole world.
+        // The wider surroundings if they are bearable, since there is one search only.
         [false, true]
             .iter()
             .map(|far| whole.around(world, &requirements, &about, *far))
@@ -84,6 +85,7 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
         Ok(costs) => costs,
         Err(why) => return Outcome::GaveUp { why, expanded: 0 },
     };
+    // Relevance analysis removes sensing that is known or irrelevant. Without sensing, forward search is enough.
     let outcome = if task.operators.iter().any(|operator| operator.outcome.is_some()) {
         of_task(world, &task, costs, limits)
     } else {
@@ -196,6 +198,7 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
         looping: true,
         ..manner(limits.shortest)
     };
+    // Sensing is applicable only while its outcome is unknown, so a loop needs an action that makes it unknown.
     if forgets(task)
         && let Ok(Some(course)) = run(task, looping, dearest(task), work, &mut tally)
     {
@@ -248,6 +251,7 @@ fn hopeless(task: &Task, limits: &Limits) -> Option<Fact> {
             .find(|operator| bound::outcome(operator) == Some(fact))?
             .outcome
     };
+    // A plan must work for every outcome, so one outcome without a plan is a reason.
     for group in bound::groups(task) {
         for fact in &group {
             let alone = bound::only(task, &group, *fact);

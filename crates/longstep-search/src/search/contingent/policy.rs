@@ -199,6 +199,7 @@ impl Writer<'_> {
 
     /// Branches on known outcomes. The side with the most outcomes comes last, as the final `else`.
     fn known(&mut self, mut sides: Vec<Side>) -> Vec<Node> {
+        // An empty side that comes last needs no `else`.
         sides.sort_by_key(|(facts, pieces)| (pieces.is_empty(), facts.len()));
         let mut sides = sides.into_iter();
         let Some((facts, pieces)) = sides.next() else {
@@ -229,6 +230,7 @@ impl Writer<'_> {
             .filter(|fact| Some(**fact) != first)
             .map(|fact| Test::Holds(*fact))
             .collect();
+        // The test of a sensing step is true for its first outcome only.
         let condition = if first.is_some_and(|fact| exits.contains(&fact)) {
             leaving.insert(0, sense);
             Test::Not(Box::new(any(leaving)))
