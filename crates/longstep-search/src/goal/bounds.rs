@@ -98,6 +98,7 @@ impl Bounds {
             ([first], []) => (self.index(*first), 0),
             ([], [second]) => (0, self.index(*second)),
             ([first], [second]) => (self.index(*first), self.index(*second)),
+            // Sums of more numbers would need linear programming.
             _ => return,
         };
         let most = -difference.constant;
@@ -131,6 +132,7 @@ impl Bounds {
         }
         for middle in 0..count {
             for first in 0..count {
+                // Unfinished bounds contradict nothing.
                 if !effort::spend(count) {
                     return false;
                 }
@@ -144,6 +146,7 @@ impl Bounds {
                 }
             }
         }
+        // A cycle with a negative sum says that a number is less than itself.
         let is_negative = |node: usize| least[node][node].is_some_and(|sum| sum < 0);
         let is_fixed = |(first, second, value): &(usize, usize, i128)| {
             if first == second {

@@ -142,6 +142,7 @@ impl Choice {
         let part = &|index: usize| truth(allowed(index));
         let counted = |quantifier: Quantifier, parts: Vec<Condition>| {
             let met = parts.iter().filter(|part| **part == Condition::TRUE).count();
+            // More members than wanted are no obstacle: a plan may leave them out.
             truth(met >= quantifier.least())
         };
         self.nested(0, &all, part, &counted) == Condition::TRUE
@@ -252,6 +253,7 @@ fn copies(number: usize, parts: usize, known: &mut FxHashMap<(usize, usize), usi
     if let Some(copies) = known.get(&(number, parts)) {
         return *copies;
     }
+    // Counted as in `at_least`, because a condition of that size must not be built to measure it.
     let (first, second) = (parts / 2, parts - parts / 2);
     let mut all = 0_usize;
     for own in splits(number, first, second) {

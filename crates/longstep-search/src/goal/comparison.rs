@@ -149,6 +149,7 @@ fn written<'t>(domain: &Domain, part: &'t str) -> Option<Written<'t>> {
     };
     let call = Call::parse(&part[..left_end]).ok()?;
     let rest = part[left_end..].trim_start();
+    // `ALL` has `<=` before its prefix `<`.
     let comparison = Comparison::ALL.into_iter().find(|own| rest.starts_with(own.symbol()))?;
     let place = domain
         .functions

@@ -194,6 +194,7 @@ impl Conditional {
                 !mentioned.iter().any(|fact| fact.about(domain).contains(thing))
             }
         };
+        // Goals of both branches may bind one entity several times.
         let slots = (0..bindings.len()).filter(|slot| bindings[..*slot].iter().all(|other| *other != bindings[*slot]));
         let alone = slots.filter(|slot| is_free(&bindings[*slot]));
         let stays = |slot: usize| move |predicate: &PredicateId| stays(domain, *predicate, slot, bindings.len());
@@ -216,6 +217,7 @@ fn places(domain: &Domain) -> Vec<PredicateId> {
 
 /// Returns the condition that an entity is in every relation in which it was initially. `free` is an unused slot.
 fn stays(domain: &Domain, predicate: PredicateId, slot: usize, free: usize) -> Condition {
+    // Further relations are permitted: only the initial ones must hold again.
     let there = |holds: bool, at: When| Condition::Atom {
         atom: Atom {
             predicate,
@@ -250,6 +252,8 @@ impl<'a> Joined<'a> {
         }
         let all = bindings.len();
         let shift = |((fact, wanted), (offset, own)): ((GoalFact, Wanted), (usize, usize))| {
+            // The bindings of all goals come first. The slots behind them are shared, since no quantifier of one goal
+            // encloses another goal.
             let slot = |slot: usize| if slot < own { offset + slot } else { all + slot - own };
             (fact, wanted.condition.with_slots(&slot))
         };

@@ -58,6 +58,7 @@ impl Constraint {
             let Some(constraint) = Self::read(world, constraint.trim())? else {
                 return Ok(None);
             };
+            // The rules of a world are conditions on states, and steps are forbidden without regard to the state.
             if let Self::Step { .. } = constraint {
                 return Err(GoalError::StepsUntil { part: text.to_owned() });
             }
@@ -96,6 +97,7 @@ impl Constraint {
             world,
             state: &world.state,
         };
+        // A rule about a fact that can never hold forbids nothing, and is more likely a mistake.
         let possible = match &fact {
             GoalFact::Plain(fact) => can_be_brought_about(world, *fact),
             _ => possibly(world, &wanted.condition, &mut wanted.bindings.clone()),
@@ -135,6 +137,7 @@ impl Constraint {
                 }
             });
         }
+        // Omitted arguments stand for any.
         arguments.resize(action.explicit.len(), None);
         Ok(Self::Step { action: id, arguments })
     }
@@ -292,6 +295,7 @@ fn unchanged(world: &World, entity: EntityId) -> Condition {
     let domain = world.domain();
     let mut atoms: Vec<&Atom> = Vec::new();
     for word in &domain.states {
+        // To look at an entity is not to touch it.
         let changes = domain.words(word.atom.predicate).fluent && !domain.is_sensed(word.atom.predicate);
         if changes && !atoms.contains(&&word.atom) {
             atoms.push(&word.atom);
@@ -365,6 +369,7 @@ fn number_as_before(function: FunctionId, terms: Vec<Term>) -> Condition {
         })
     };
     let is = Condition::Number;
+    // An unknown number satisfies no comparison, so "unknown as before" is an alternative of its own.
     let unknown = [When::Now, When::Start].map(|at| is(NumberTest::Known(number(at), false)));
     Condition::Or(vec![
         is(NumberTest::Compare(

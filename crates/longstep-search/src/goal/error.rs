@@ -3,6 +3,7 @@
 use longstep_model::model::OutOfRange;
 
 /// Maximum number of stages.
+// Each stage adds facts and operators to the task of the search.
 pub(super) const STAGES: usize = 30;
 
 /// The reason why a text is not a goal.

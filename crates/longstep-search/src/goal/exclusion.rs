@@ -29,6 +29,7 @@ impl Literals {
 }
 
 /// Maximum number of alternatives of a goal that are considered.
+// The disjunctive normal form may be exponential. A longer one excludes nothing, so no goal is given up by mistake.
 const ALTERNATIVES: usize = 32;
 
 /// Returns the conjunctions of which a condition is the disjunction; none if there are too many.
@@ -92,6 +93,7 @@ impl Literals {
         let mut rules = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
         rules.any(|rule| {
             let is_numeric = rule.condition.numbers().next().is_some();
+            // The state with the fewest facts has no numbers, so rules about numbers cannot be judged in it.
             let instances = if is_numeric && !self.tests.is_empty() {
                 all_bindings(world, rule)
             } else {
@@ -106,6 +108,7 @@ impl Literals {
     fn denies(&self, world: &World, rule: &Rule, bindings: &[EntityId]) -> bool {
         let GroundCondition { formula, facts } = ground_condition(world, &rule.condition, bindings);
         let now = |literal: Literal| facts[literal.fact as usize].holds(&world.state) == literal.holds;
+        // A rule that is broken now does not bind yet, so it excludes nothing.
         formula.holds(&now) && self.deny(&formula, &facts)
     }
 
@@ -122,6 +125,7 @@ impl Literals {
                 !are_contradictory(self.tests.iter().chain([&test]))
             }
         };
+        // Without budget nothing is excluded.
         effort::spend(formula.size() * (1 + self.facts.len() / 4 + self.tests.len())) && !formula.holds(&is_possible)
     }
 }

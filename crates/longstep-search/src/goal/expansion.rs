@@ -21,6 +21,7 @@ const GOALS: usize = 300;
 const ALTERNATIVES: usize = 4_000;
 
 /// Maximum number of ways to read the commas of a text.
+// Each group with exceptions may end at any of its commas, so readings multiply.
 const READINGS: usize = 16;
 
 /// The group for which `_` stands in a goal that is forbidden.
@@ -166,6 +167,7 @@ fn first_group(world: &World, text: &str) -> Option<(usize, Vec<usize>)> {
         if at >= named && inside && matches!(before, '(' | ',' | ' ') && Group::begins(&text[at..]) {
             let ends = ends(text, at);
             let end = ends.first().copied().unwrap_or(text.len());
+            // An entity may be called like a group, for example `all purpose cleaner`.
             if !known(text[argument..end].trim()) && !known(text[at..end].trim()) {
                 return Some((at, ends));
             }
@@ -249,6 +251,7 @@ impl<'t> Places<'t> {
     /// Returns all combinations of members, the last group fastest.
     fn combinations(&self) -> Result<Vec<Vec<EntityId>>, GoalError> {
         let sizes = self.groups.iter().map(|group| group.members.len());
+        // Refused before the combinations fill the memory.
         if sizes.fold(1, usize::saturating_mul) > COMBINATIONS {
             return Err(self.too_many(COMBINATIONS));
         }
@@ -395,6 +398,7 @@ impl<'t> Places<'t> {
             let own = members.iter().zip(&outer).filter(|(_, outer)| **outer == side);
             own.map(|(member, _)| *member).collect()
         };
+        // The order of the members stays, so that equal texts give equal goals.
         let mut cases: indexmap::IndexMap<Vec<EntityId>, Leaves<GoalFact>> = indexmap::IndexMap::new();
         for (members, fact) in leaves {
             let own = cases.entry(part(&members, true)).or_default();
@@ -448,6 +452,7 @@ impl<'t> Places<'t> {
     fn constraints(self, world: &World, text: &str) -> Result<Expansion, GoalError> {
         let each = |group: &Group| match group.quantifier {
             Quantifier::All => true,
+            // After `never`, `any` and `all` mean the same: no member.
             Quantifier::Any => !text.starts_with(ALWAYS),
             Quantifier::AtLeast(_) | Quantifier::Exactly(_) | Quantifier::AllBut(_) => false,
         };
@@ -483,6 +488,7 @@ impl<'t> Places<'t> {
         let domain = world.domain();
         let typed = self.is_of_type(world);
         let read = |text: &str| match Constraint::read(world, text) {
+            // A rule that is void for one member may bind others. It is an error only if it binds none.
             Err(error @ GoalError::NeverHolds { .. }) if typed || text.starts_with(NEVER) => Ok(Err(error)),
             Ok(Some(constraint)) => Ok(Ok(constraint)),
             Ok(None) => Err(GoalError::NotARule { part: text.to_owned() }),

@@ -32,6 +32,7 @@ fn bare(world: &World, part: &str, call: &Call) -> Result<Option<Fact>, GoalErro
         return Ok(None);
     };
     let id = PredicateId::new(index);
+    // No action changes a static fact, so neither a goal nor a rule about it makes sense.
     if !domain.words(id).fluent {
         return Ok(None);
     }
@@ -79,6 +80,7 @@ pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
             },
         }
     }
+    // Form and names fit, and only the present amount is unknown: no other reading explains the text better.
     if let Some(own @ GoalError::UnknownNow { .. }) = error {
         return Err(own);
     }
@@ -93,6 +95,7 @@ pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
             .collect();
         forms.dedup();
         GoalError::UnknownWord {
+            // The text may be anything that a model wrote.
             part: part.chars().take(80).collect(),
             forms: forms.join(", "),
         }

@@ -378,6 +378,7 @@ impl Group {
 fn listed(text: &str) -> Option<Vec<&str>> {
     let text = text.strip_prefix(OF).unwrap_or(text).trim();
     let inner = without_parentheses(text);
+    // Without a comma, the parentheses enclose a kind.
     let is_list = inner.len() < text.len() && inner.contains(',') && !inner.contains(WHERE) && !inner.contains(EXCEPT);
     is_list.then(|| inner.split(',').map(str::trim).collect())
 }
@@ -388,6 +389,7 @@ fn meets(conditions: &[Vec<Selector>], world: &World, group: &str, member: Entit
     for all in conditions {
         let mut of_all = true;
         for condition in all {
+            // No early exit: a state that only sensing reveals is an error wherever it stands.
             of_all &= condition.is_met(world, group, member)?;
         }
         is_met |= of_all;
@@ -442,6 +444,7 @@ fn of_kind(world: &World, kind: &str) -> Vec<EntityId> {
     let is_named = |name: &String| {
         let own = singular_words(name);
         let number = own.iter().rev().take_while(|word| is_number(word)).count();
+        // A number at the end is a label and no part of the kind: `<mug_2>` is a mug.
         own == wanted || own[..own.len() - number].ends_with(&wanted)
     };
     let entities = world
@@ -464,6 +467,7 @@ fn excepted(world: &World, group: &str, names: &str) -> Result<Vec<EntityId>, Go
             excepted.extend(of_kind(world, name));
             continue;
         }
+        // An entity with exactly this name comes before all entities whose names end with it.
         match names::entities(world, group, &[name], &[TypeId::OBJECT]) {
             Ok(found) => excepted.extend(found),
             Err(error) => match of_kind(world, name) {
@@ -558,6 +562,7 @@ impl Selector {
         let facts = self.facts(world.domain(), member);
         for (fact, _) in &facts {
             let outcomes = world.domain().outcomes(*fact);
+            // An unknown outcome is neither true nor false, and a group has its members before the plan begins.
             if !outcomes.is_empty() && !outcomes.iter().any(|outcome| world.state.holds(*outcome)) {
                 return Err(GoalError::NotSensedYet {
                     group: group.to_owned(),

@@ -10,6 +10,7 @@ use longstep_model::model::{
 };
 
 /// Maximum number of predicates whose facts exclude each other.
+// Each further member is tried in depth, so the size of groups bounds the search.
 const GROUP: usize = 5;
 
 /// Returns true if the actions allow only one of two facts at a time.
@@ -34,6 +35,7 @@ fn are_of_one_group(world: &World, (first, fact): (Member, Fact), (second, other
     if first != second {
         group.push(second);
     }
+    // Two members with one predicate would count each of its facts twice.
     let is_one = group.len() == 1 || first.predicate != second.predicate;
     is_one
         && second.key_of(domain, other) == key
@@ -77,6 +79,7 @@ fn at_most_one(world: &World, group: &[Member], key: &[EntityId]) -> bool {
         let mut arguments = domain.arguments(**fact).zip(parameters);
         arguments.all(|(argument, parameter)| world.is_of_kind(argument, parameter.kind))
     };
+    // The actions are analyzed by the declared types, which facts of a foreign problem may lack.
     facts.len() <= 1 && facts.iter().all(is_typed)
 }
 

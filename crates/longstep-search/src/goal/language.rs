@@ -117,6 +117,7 @@ fn stages_of(part: &str) -> Vec<&str> {
     let mut pieces = Vec::new();
     let mut rest = part;
     loop {
+        // The first `then` behind `if` belongs to the condition.
         let of_conditional = match rest.strip_prefix(IF) {
             Some(_) => split_once(rest, THEN).map_or(0, |(condition, _)| condition.len() + THEN.len()),
             None => 0,
@@ -189,6 +190,7 @@ fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Expans
             then,
             otherwise,
         },
+        // No single outcome is the negation, so the branches change places.
         (true, _) => Conditional {
             condition,
             then: otherwise,

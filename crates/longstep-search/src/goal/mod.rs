@@ -310,6 +310,7 @@ impl Goal {
             for fact in &self.facts[range] {
                 let stands_for = |part: &&GroupedPart| part.stage == stage && part.facts.contains(fact);
                 match self.groups.iter().find(stands_for) {
+                    // The other world may have more members, so the text is read again.
                     Some(part) => goal.add(&part.text, language::part(to, &part.text).ok()?),
                     None => goal.push(fact.carried(domain, from, to)?),
                 }
@@ -469,6 +470,7 @@ impl Goal {
     /// Returns the rules that the goal waives: a goal that the fridge is open waives the rule that it is closed.
     fn waivers(&self, domain: &Domain) -> Vec<Waiver> {
         let mut waivers = Vec::new();
+        // A rule that something always holds contradicts tidiness as a goal does.
         let always = self.constraints.iter().filter_map(|constraint| match constraint {
             Constraint::State { fact, holds: true } => Some(fact),
             _ => None,
@@ -508,6 +510,7 @@ impl Goal {
         } else {
             self.milestones(world, &all)
         };
+        // In place of a goal that need not last, so that conditions keep the indices of their goals.
         let nothing = || Wanted {
             condition: Condition::TRUE,
             bindings: Vec::new(),

@@ -93,6 +93,7 @@ fn unknown_name(world: &World, part: String, name: String, kind: TypeId) -> Goal
     };
     let longer = known().filter(is_part_of).take(LONGER_NAMES);
     let mut near: Vec<String> = longer.map(str::to_owned).collect();
+    // Names that end with the text explain the error better than a similar spelling.
     if near.is_empty() {
         near.extend(nearest(&name, known()).map(str::to_owned));
     }

@@ -11,6 +11,7 @@ use longstep_model::model::{
 /// The word for the amount that is now.
 const NOW: &str = "now";
 /// The largest number of values that one text adds to a world.
+// Each value is an entity, and every action that takes values is grounded with it.
 const VALUES: usize = 50;
 
 /// A change of an amount, as written.
@@ -87,6 +88,7 @@ pub fn add_values(world: &mut World, text: &str) {
         return;
     }
     let mut parts = vec![text];
+    // A coarse split is enough: a part that is no goal adds no value.
     for separator in [" & ", STAGE, " and ", " else ", UNTIL] {
         parts = parts.into_iter().flat_map(|part| part.split(separator)).collect();
     }
@@ -112,6 +114,7 @@ fn values_in(world: &World, part: &str) -> Vec<String> {
             let (Some(change), Some(amount)) = (Change::read(name), Amount::of(domain, word, place)) else {
                 continue;
             };
+            // The names are not resolved yet, so any of these facts may be meant.
             let facts = world.state.iter().filter(|fact| fact.predicate() == amount.predicate);
             values.extend(facts.filter_map(|fact| amount.changed(world, &change, fact)));
         }
@@ -143,6 +146,7 @@ pub(super) fn resolved<'t>(
             .zip(&word.parameters)
             .enumerate()
             .map(|(other, (own, parameter))| {
+                // A relative amount names no entity; the fact that is looked for has it.
                 if other == place || Change::read(own).is_some() {
                     return Ok(None);
                 }

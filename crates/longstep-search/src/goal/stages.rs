@@ -39,6 +39,7 @@ impl Goal {
         let mut stages: Vec<usize> = Vec::new();
         for next in 1..self.facts.len() {
             let start = stages.last().copied().unwrap_or(0);
+            // With the next goal as a stage of its own, `kept` says which goals it excludes.
             let two = Self {
                 facts: self.facts[start..=next].to_vec(),
                 stages: vec![next - start],
@@ -46,6 +47,7 @@ impl Goal {
             };
             let subject = |index: usize| self.facts[index].subject(world.domain());
             let kept = two.kept(world);
+            // Goals about different subjects stay without a plan: nobody asked for one after the other.
             if (start..next).any(|index| !kept[index - start] && subject(index) == subject(next)) {
                 stages.push(next);
             }
@@ -170,6 +172,7 @@ impl<'g> Needs<'g> {
     /// Returns true if an alternative of the goal holds whenever the earlier goals are achieved.
     fn follow_from(&self, world: &World, earlier: &[&Needs]) -> bool {
         let achieved = earlier.iter().filter_map(|earlier| match &earlier.alternatives[..] {
+            // Of several alternatives it is open which one is achieved.
             [literals] => Some(literals),
             _ => None,
         });
@@ -196,6 +199,7 @@ impl<'g> Needs<'g> {
                 .flat_map(|own| other.alternatives.iter().map(move |them| (own, them)));
             pairs.all(|(own, them)| excludes(world, own, them))
         };
+        // Without alternatives there are no pairs, and "all pairs" would be true.
         let known = !self.alternatives.is_empty() && !other.alternatives.is_empty();
         self.is_of_the_group_of(world.domain(), other) || known && pairs()
     }
@@ -236,6 +240,7 @@ fn implies(world: &World, made: Fact, required: Fact) -> bool {
             }
         }
     }
+    // A fact that no action achieves implies nothing.
     makers > 0
 }
 
