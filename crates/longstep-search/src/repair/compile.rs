@@ -78,6 +78,8 @@ impl Compiled<'_> {
             let nearly: Vec<Formula> = promise.related.iter().map(|fact| self.fact(domain, *fact)).collect();
             let other = self.forgone(promise.fact, costs.other_relation);
             let forgone = self.forgone(promise.fact, costs.forgo);
+            // Soft goals are compiled away (Keyder and Geffner, 2009): the claim holds, or an operator at the end
+            // gives it up at a cost.
             goals.push(Formula::or([
                 fulfilled,
                 Formula::and([Formula::or(nearly), other]),
@@ -110,6 +112,7 @@ impl Compiled<'_> {
             cost,
             tag: self.moves.len() as u32,
             outcome: None,
+            // Only at the end: to give a fact up earlier leads to the same ends by more paths.
             precondition: self.arrived.clone(),
             effects: vec![effect(forgone, true)],
             numeric: Vec::new(),
@@ -200,6 +203,7 @@ pub(super) fn compile<'a>(
             }
         })
         .collect();
+    // A dropped `move_object()` must not return as a `move_hand()` with the same effects.
     inserted.retain(|operator| !taken_out.iter().any(|out| out.anywhere && out.is_like(operator)));
     let length = draft.steps.len();
     let reached: Vec<u32> = (0..=length).map(|index| grounder.extra(index == 0)).collect();
@@ -229,6 +233,7 @@ pub(super) fn compile<'a>(
             None => writer.drop(index, Reason::Unknown, Formula::TRUE, domain.repair.drop_impossible),
         }
     }
+    // Behind the operators of the draft, which the search tries first.
     for operator in &inserted {
         let step = operator.step.clone();
         let elsewhere = writer.elsewhere(operator);
@@ -386,6 +391,7 @@ impl Writer<'_, '_> {
                 .filter(|effect| effect.condition.is_true())
                 .map(|effect| effect.literal)
                 .collect();
+            // Only arguments that the explanation allows decide what the step was meant to do.
             if !choice.mismatch {
                 brings.extend(&always);
                 let numeric = operator.numeric.iter().filter(|effect| effect.condition.is_true());
@@ -410,6 +416,7 @@ impl Writer<'_, '_> {
         if self.pins.kept.contains(&index) {
             return;
         }
+        // On either side of its old position, a replacement could bring the removed step back.
         let beside = |taken_out: &&TakenOut| taken_out.before == index || taken_out.before == index + 1;
         let taken_out: Vec<&TakenOut> = self.taken_out.iter().filter(beside).collect();
         for operator in self.inserted {
@@ -437,6 +444,7 @@ impl Writer<'_, '_> {
         }
         self.drop(index, Reason::Idle, Formula::or(idle), costs.drop_idle);
         self.drop(index, Reason::Unwanted, Formula::TRUE, costs.drop);
+        // The only step of a draft has no later place.
         if possible && self.reached.len() > 2 {
             self.postpone(index, kept);
         }
@@ -467,6 +475,7 @@ impl Writer<'_, '_> {
             let costs = self.domain.repair;
             let (written, other) = (choice.arguments[actor], operator.step.arguments[actor]);
             let changed = match compare_mentions(self.world, &step.explanation, other, written) {
+                // The explanation names the other actor, so only the call is wrong.
                 Ordering::Greater => costs.rebind,
                 Ordering::Equal => costs.other_actor,
                 Ordering::Less => costs.other_actor + costs.rebind,
@@ -480,6 +489,7 @@ impl Writer<'_, '_> {
     fn postpone(&mut self, index: usize, kept: Vec<(Operator, u32)>) {
         let laid_aside = self.grounder.extra(false);
         let free = self.free_handed;
+        // One postponed step at a time: any set of them would make the number of states exponential.
         let mut operator = self.pass(index, literal(free, true));
         operator.effects.extend([effect(free, false), effect(laid_aside, true)]);
         self.push(operator, self.domain.repair.postpone, Move::Postpone(index));

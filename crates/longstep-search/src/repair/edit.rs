@@ -232,6 +232,7 @@ impl Reasons<'_> {
             .map_or_else(Vec::new, |(_, changes)| changes.to_vec());
         let undo = |state: &State, changes: &[Change]| {
             let mut without = state.clone();
+            // A change that a later step undid has no part in what follows.
             for change in changes.iter().filter(|change| state.holds(change.fact) == change.holds) {
                 without.set(change.fact, !change.holds);
             }
@@ -325,6 +326,7 @@ impl Reasons<'_> {
     }
 
     fn for_replacing(&self, draft: &Resolved, index: usize, at: usize) -> String {
+        // A missing precondition of the old step says more than a use of the new one.
         let missing = self.draft_lacks(draft, index, at, self.report.plan.steps().get(at));
         if missing.is_empty() {
             self.for_having(at)

@@ -123,6 +123,7 @@ pub fn repair_pinned(world: &World, draft: &Resolved, purpose: &Purpose, pins: &
     let world = &*purpose.world(world);
     let spent = effort::within(EFFORT, || repair_within(LIMIT, world, draft, purpose, pins));
     match spent.result {
+        // A verified plan stands, even if the budget ended behind it.
         outcome @ (RepairOutcome::Valid(_) | RepairOutcome::Repaired(_)) => outcome,
         RepairOutcome::ProvenUnsolvable { expanded } if spent.exhausted => RepairOutcome::GaveUp {
             why: format!("no repair found in {expanded} states, which took all the work that a repair may take"),
@@ -279,6 +280,7 @@ impl Search<'_> {
             };
         }
         let (limit, below) = match &best {
+            // In a large world this proof takes most of the time of a repair.
             Found::Path(way) => (limit.min(PROOF), Some(way.cost)),
             Found::Nothing | Found::Limit => (limit, None),
         };
@@ -304,6 +306,7 @@ impl Search<'_> {
         let (mut found, looked_at) = cheapest(&task, limit, below);
         self.expanded += looked_at;
         let proven = found != Found::Limit;
+        // With a bound, a repair is known already.
         if !proven && below.is_none() {
             let (any, looked_at) = greedy(&task, limit);
             self.expanded += looked_at;

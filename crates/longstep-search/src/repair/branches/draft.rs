@@ -99,6 +99,7 @@ impl Draft {
                     let body = self.block(body);
                     parts.push(Part::Repeat(*times, body));
                 }
+                // Repair works on lists. This order is one that the synchronization points allow.
                 Node::Parallel { lanes } => {
                     let steps = lanes::sequence(lanes).into_iter();
                     parts.extend(steps.map(|step| Part::Step(step.index())));

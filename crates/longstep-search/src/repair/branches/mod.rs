@@ -106,6 +106,7 @@ impl Task<'_> {
                 other => return other,
             }
             decisions = way.decisions;
+            // Decisions count up like digits, so each path shares the longest prefix with the one before it.
             while decisions.last().is_some_and(|(taken, of)| taken + 1 == *of) {
                 decisions.pop();
             }
@@ -147,6 +148,7 @@ impl Task<'_> {
             edits: draft.edits(world, self.resolved, &order, &plan),
             plan,
             cost,
+            // Each path is repaired at the least cost, but the sum need not be the least.
             cheapest: false,
             given_up,
             expanded,

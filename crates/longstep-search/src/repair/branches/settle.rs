@@ -14,6 +14,7 @@ impl Draft {
             .filter(|edit| edit.kind != EditKind::Insert)
             .map(place_of)
             .collect();
+        // The steps of the repaired path that no edit concerns are those of the draft, in the same order.
         let mut kept = (0..way.steps.len()).filter(|place| !gone.contains(place));
         for edit in edits
             .iter()

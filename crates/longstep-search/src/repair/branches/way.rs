@@ -149,6 +149,7 @@ impl Follower<'_> {
         if outcomes.is_empty() {
             return None;
         }
+        // A known outcome is no decision: no other one is possible on this path.
         let known = outcomes.iter().position(|fact| self.state.holds(*fact));
         let taken = known.unwrap_or_else(|| self.decide(outcomes.len()));
         self.state.set(outcomes[taken], true);
