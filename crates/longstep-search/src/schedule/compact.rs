@@ -87,6 +87,7 @@ fn timed<'a>(domain: &Domain, steps: &'a [Step], prints: &[Footprint]) -> Vec<Ti
     for (step, own) in steps.iter().zip(prints) {
         let Some(actor) = step.actor(domain) else { continue };
         let (mut start, mut awaits) = (0, BTreeMap::new());
+        // With given predecessors, the earliest start of each step gives the least makespan.
         for (before, print) in timed.iter().zip(prints) {
             let end = before.start + 1;
             effort::spend(1);
@@ -197,6 +198,8 @@ struct Meeting {
 /// Returns the fewest synchronisation points that keep every step after those for which it waits, in order of time.
 fn meetings(timed: &[Timed<'_>]) -> Vec<Meeting> {
     let mut by_start: Vec<&Timed<'_>> = timed.iter().collect();
+    // A wait is an interval of times. Points at the right ends, taken from left to right, cover all intervals with
+    // the fewest points.
     by_start.sort_by_key(|timed| timed.start);
     let mut meetings: Vec<Meeting> = Vec::new();
     for timed in by_start {

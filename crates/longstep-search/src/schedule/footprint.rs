@@ -153,6 +153,7 @@ impl Grounded {
         let weight = |why: &[Literal]| {
             let open = why.iter().filter(|literal| match &self.facts[literal.fact as usize] {
                 (Meaning::Fact(fact), holds) => contended.contains(&(*fact, *holds)),
+                // Contended values are kept for facts only, so each test counts as one.
                 (Meaning::Test(_), _) => true,
             });
             (open.count(), why.len())

@@ -27,10 +27,12 @@ fn spread_within(world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Verif
         return best;
     }
     let mut time = time_of(world, best.steps());
+    // Steepest descent: the makespan falls in each round, so the loop ends.
     loop {
         let mut better: Option<(u64, VerifiedPlan)> = None;
         for candidate in handed_on(world, best.steps()) {
             let takes = time_of(world, &candidate);
+            // Verification takes longer than a timetable, so only candidates that gain time get it.
             if takes >= better.as_ref().map_or(time, |(least, _)| *least) {
                 continue;
             }
@@ -66,6 +68,7 @@ fn handed_on(world: &World, steps: &[Step]) -> Vec<Vec<Step>> {
             continue;
         };
         for other in others(world, &steps[first], actor) {
+            // A part of the work on an object cannot change hands alone, so stretches of every length are tried.
             let mut candidate = steps.to_vec();
             for last in first..steps.len() {
                 if steps[last].actor(domain) != Some(actor) {
