@@ -397,6 +397,7 @@ impl Binder<'_> {
     fn descend(&mut self, state: &State) {
         let depth = self.chosen.len();
         let best = self.best.as_ref().map(|(distance, _)| *distance);
+        // Broken claims of steps count in the final distance, so this branch cannot beat the best binding.
         let hopeless = best.is_some_and(|best| best == 0 || (self.broken > 0 && self.broken >= best));
         let stopped = self.seen.len() >= self.most || effort::is_exhausted();
         if stopped || hopeless || !self.seen.insert((depth, state.changed_lists(self.start))) {
@@ -419,6 +420,7 @@ impl Binder<'_> {
         let mut order: Vec<usize> = (0..self.candidates[depth].len()).collect();
         effort::spend(order.len());
         if !self.turns[depth].claims.is_empty() {
+            // Likely candidates first, since the limit may end the search early.
             order.sort_by_cached_key(|at| self.advance(&mut state.clone(), &self.chosen, &self.candidates[depth][*at]));
         }
         for at in order {
@@ -426,6 +428,7 @@ impl Binder<'_> {
             if self.lacks(depth, state, &arguments).is_empty() {
                 let mut next = state.clone();
                 let broken = self.advance(&mut next, &self.chosen, &arguments);
+                // An author does not mean an argument with which a step breaks a rule of the domain.
                 if breaks_a_rule(self.world, state, &next) {
                     continue;
                 }
@@ -472,6 +475,7 @@ impl Binder<'_> {
             let action = self.domain.action(step.action);
             for (parameter, entity) in chosen[index].iter().enumerate() {
                 let named = self.world.entity(*entity).words_in(&words) > 0;
+                // The call, the explanation or the object of the plan decides such an argument.
                 if step.arguments[parameter].is_some() || named || action.object == Some(parameter) {
                     continue;
                 }
@@ -524,6 +528,7 @@ impl Binder<'_> {
         let mut changed = chosen[..=index].to_vec();
         changed[index] = other.to_vec();
         let (mut state, mut broken) = along[index].clone();
+        // The states before the changed step are the same as before.
         for depth in index..chosen.len() {
             if depth > index {
                 changed.push(chosen[depth].clone());

@@ -159,6 +159,7 @@ struct Chooser<'a> {
 impl Chooser<'_> {
     fn next(&mut self, body: &[Node]) -> Option<Way> {
         let missing = self.done.iter().position(|done| !done)?;
+        // Free choices come first, since they cover many steps at once. A target is for what they never reach.
         for target in [None, Some(StepId::new(missing))] {
             self.target = target;
             self.decided.clear();
@@ -190,6 +191,7 @@ impl Chooser<'_> {
                     self.nodes(if holds { then } else { otherwise }, way);
                 }
                 Node::While { condition, body } => {
+                    // One iteration contains every step of the body.
                     self.test(condition, true, way);
                     self.nodes(body, way);
                     self.assume(condition, false, way);

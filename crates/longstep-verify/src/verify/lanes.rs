@@ -25,6 +25,7 @@ impl Walk<'_> {
                     let (step, actor) = (step.index(), lane.actor);
                     self.wrong(Violation::WrongActor { step, actor }, Vec::new());
                 }
+                // An actor does not know what another one senses; to act on it, their lanes must end first.
                 if !self.domain.action(self.plan.step(step).action).senses.is_empty() {
                     self.wrong(Violation::SensesInLane { step: step.index() }, Vec::new());
                 }
@@ -113,6 +114,7 @@ impl Walk<'_> {
     /// Reports a race if two interleavings lead to different states.
     fn same_state(&mut self, mut one: Way, other: &Way) {
         let mut other = other.clone();
+        // Orders of steps may achieve different stages, which is no race.
         self.forget_progress(&mut one);
         self.forget_progress(&mut other);
         if one.state == other.state {
@@ -166,6 +168,7 @@ fn moves(lanes: &[Vec<&LaneItem>], places: &[usize], next: &[Option<&LaneItem>])
                     .filter(|lane| next[*lane].as_ref().is_some_and(waits))
                     .collect();
                 let all = (0..lanes.len()).filter(|lane| lanes[*lane][places[*lane]..].iter().any(waits));
+                // The first lane that waits stands for all, so a meeting is one move.
                 if met[0] == lane && all.eq(met.iter().copied()) {
                     moves.push(met);
                 }

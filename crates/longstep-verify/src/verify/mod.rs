@@ -299,6 +299,7 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
     let kept = |way: &Way| {
         binding.iter().all(|fact| way.state.holds(*fact)) && !numbers.iter().any(|number| differs(way, *number))
     };
+    // One ending keeps all claims. To take each claim from another ending would be unsound.
     let as_claimed = claimed.and_then(|_| ends.iter().position(kept));
     let endings = walk.each(ends, |walk, mut way| {
         end(walk, &way, purpose);
@@ -346,6 +347,7 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
 pub fn binding_claims(world: &World, plan: &Plan, claim: &Claim) -> Vec<Fact> {
     let domain = world.domain();
     let mut binding = claim.promises(world);
+    // A promise that no action can keep is a careless copy rather than the purpose of the plan.
     binding.retain(|fact| can_be_brought_about(world, *fact));
     let led = plan.steps().iter().filter(|step| hides_places(domain, step.action));
     let handled: Vec<EntityId> = led.filter_map(|step| step.object(domain)).collect();

@@ -127,6 +127,7 @@ impl<'a> Order<'a> {
         for (event, _) in facts.into_iter().filter(|(_, adds)| *adds) {
             let arity = domain.predicate(event.predicate()).parameters.len();
             for stage in 1..self.stages.len() {
+                // Stages begin in their order, so no later one has begun either.
                 if !before.holds(self.begun(stage)) {
                     break;
                 }
@@ -161,6 +162,7 @@ impl<'a> Order<'a> {
     fn advance_where(&self, world: &World, state: &mut State, certain: Certain<'_>) {
         for (index, stage) in self.stages.iter().enumerate() {
             if index > 0 && !state.holds(self.begun(index)) {
+                // Later stages cannot begin before this one.
                 if !self.is_complete(index - 1, state) {
                     return;
                 }
@@ -168,6 +170,7 @@ impl<'a> Order<'a> {
                 for (condition, flag) in stage.iter().filter_map(|condition| Some((condition, condition.open?))) {
                     match self.judged(world, state, index, (condition.wanted, false), certain) {
                         Some(true) => open.push(flag),
+                        // If it is not certain that the condition was false, the stage cannot begin yet.
                         Some(false) => return,
                         None => {}
                     }

@@ -9,6 +9,7 @@ use longstep_model::model::{
 
 /// Returns true if the condition can hold in some state of this world; fluent facts may have any value.
 pub fn possibly(world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
+    // Without budget this is not certain, but then no result is used.
     if !effort::spend(1) {
         return false;
     }
@@ -28,6 +29,7 @@ pub fn possibly(world: &World, condition: &Condition, bindings: &mut Bindings) -
                 _ => all.iter().any(&mut instance),
             }
         }
+        // Parts are judged one by one, so the answer may be true although no state satisfies all of them.
         literal => static_value(world, literal, bindings).unwrap_or(true),
     }
 }

@@ -28,6 +28,7 @@ pub(super) fn breaks_a_rule(world: &World, before: &State, after: &State) -> boo
         .filter(|(number, _)| world.prohibition(*number).is_none());
     always.any(|(_, rule)| {
         let broken = broken_bindings(rule, world, after);
+        // Most steps break no rule, so the state before is examined only if one is broken after.
         !broken.is_empty() && {
             let known = broken_bindings(rule, world, before);
             broken.iter().any(|bindings| known.binary_search(bindings).is_err())

@@ -86,11 +86,13 @@ impl<'a> Walk<'a> {
         let mut ends = self.nodes(self.plan.body(), vec![start.clone()]);
         if !self.is_stopped() {
             let steps = 0..self.plan.steps().len();
+            // One warning for a run of unreached steps.
             let first = |step: &usize| !self.reached[*step] && (*step == 0 || self.reached[*step - 1]);
             for step in steps.filter(first).collect::<Vec<_>>() {
                 self.odd(Violation::Unreached { step }, Vec::new());
             }
         }
+        // A report has an ending, even if every path is stuck in a loop.
         if ends.is_empty() {
             ends.push(start);
         }
@@ -202,6 +204,7 @@ impl<'a> Walk<'a> {
         let (mut round, mut last) = (0, times);
         let mut findings = Findings::from(self.found.len());
         while round < last && !self.is_stopped() {
+            // Once the period is known, only its remainder is left, and no state is compared any more.
             if last == times {
                 let mut states: Vec<ChangedLists> = ways.iter().map(|way| self.changed(way)).collect();
                 states.sort_unstable();
@@ -276,6 +279,7 @@ impl<'a> Walk<'a> {
                 moment,
                 &action.precondition,
                 &mut self.bindings,
+                // A fact that the plan itself changed is no assumption.
                 &|fact| history.touched(here, fact),
                 &mut self.rested,
             );
@@ -297,6 +301,7 @@ impl<'a> Walk<'a> {
                 self.when(way),
             );
         }
+        // A copy of the state is costly, and only the events of stages need it.
         let before = self.order.counts_events().then(|| way.state.clone());
         let (bindings, fired) = (&mut self.bindings, &mut self.fired);
         way.here = self.history.add(id, way.here, |changes| {
@@ -356,6 +361,7 @@ impl<'a> Walk<'a> {
         if facts.iter().any(|fact| way.state.holds(*fact)) {
             return vec![way];
         }
+        // The entry of the step is replaced by one for each outcome, with the fact that it reveals.
         let before = self.history.before(way.here);
         let with_outcome = |fact: &Fact| {
             let mut way = way.clone();
@@ -388,6 +394,7 @@ impl<'a> Walk<'a> {
         match condition {
             Test::Sense(id) => {
                 let ways = self.steps(*id, ways);
+                // The test of a sensing step is true for its first outcome.
                 let first = self.senses(*id).first().copied();
                 ways.into_iter()
                     .partition(|way| first.is_some_and(|fact| way.state.holds(fact)))
@@ -444,6 +451,7 @@ impl<'a> Walk<'a> {
         if known {
             return vec![(way, false)];
         }
+        // Both values are followed, so that errors on either side are found too.
         let step = before;
         self.wrong(Violation::Unsensed { step, fact }, self.when(&way));
         vec![(way.clone(), true), (way, false)]
@@ -462,6 +470,7 @@ impl<'a> Walk<'a> {
             let (yes, no) = self.test(condition, vec![way], before);
             heads.leaves[number] = !no.is_empty();
             out.extend(no);
+            // Iterations repeat exits, so they are merged as they come.
             out = self.counted_ways(out, before);
             let ends = self.nodes(body, yes);
             effort::spend(ends.len());
@@ -477,6 +486,8 @@ impl<'a> Walk<'a> {
             }
             findings.compact(&mut self.found);
         }
+        // As in strong cyclic planning (Cimatti and others, 2003), an exit must be reachable from every state. Then the
+        // loop ends if every outcome of sensing occurs at some time.
         if let Some(stuck) = heads.endless() {
             let when = self.when(&heads.ways[stuck]);
             self.wrong(Violation::EndlessLoop { step: before }, when);
@@ -489,6 +500,7 @@ impl<'a> Walk<'a> {
         if ways.len() < 2 {
             return ways;
         }
+        // The rest of a path depends on its state alone, so one path for each state is enough.
         let mut seen = FxHashSet::default();
         let new = |way: &Way| {
             let changed = self.changed(way);
@@ -559,6 +571,7 @@ fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
                 .filter(|fact| next.when.contains(fact))
                 .copied()
                 .collect();
+            // Without a common outcome the first list stays, since an empty one means "on all paths".
             if !common.is_empty() || next.when.is_empty() {
                 known.when = common;
             }
