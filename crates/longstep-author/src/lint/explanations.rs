@@ -280,7 +280,7 @@ mod tests {
     use super::goals_of;
 
     #[test]
-    fn goals_behind_a_condition_are_shown_too() {
+    fn goals_of_a_conditional_goal_include_both_branches() {
         let cases: [(&str, &[&str]); 3] = [
             ("put(letter, hangar)", &["put(letter, hangar)"]),
             (

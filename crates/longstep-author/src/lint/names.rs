@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn confusable_are_names_that_continue_one_another_or_differ_in_a_letter() {
+    fn names_are_confusable_by_a_shared_prefix_or_one_letter() {
         for (left, right, confusable) in [
             ("Put", "PutIn", true),
             ("put_in", "PutIn", true),

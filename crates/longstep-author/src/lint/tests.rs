@@ -146,7 +146,7 @@ fn every_lint_is_in_the_documentation() {
 }
 
 #[test]
-fn actions_that_can_never_apply() {
+fn lint_reports_actions_that_are_never_applicable() {
     // No effect makes it true.
     check(
         fly(":precondition (winged) :effect (robot-at ?to)"),
@@ -202,7 +202,7 @@ fn actions_that_can_never_apply() {
 }
 
 #[test]
-fn what_can_be_is_left_alone() {
+fn lint_accepts_preconditions_that_can_hold() {
     for precondition in [
         // Two variables in one slot.
         "(and (exists (?p - parcel) (carrying ?p)) (exists (?p - parcel) (not (carrying ?p))))",
@@ -217,7 +217,7 @@ fn what_can_be_is_left_alone() {
 }
 
 #[test]
-fn goals_rules_and_facts_that_can_never_be() {
+fn lint_reports_goals_rules_and_facts_that_never_hold() {
     let unreachable = &["domain.toml:75:14 unreachable-goal bring({parcel}, {station})"];
     check(
         [goal("(and (at ?parcel ?station) (not (at ?parcel ?station)))")],
@@ -250,7 +250,7 @@ fn goals_rules_and_facts_that_can_never_be() {
 }
 
 #[test]
-fn what_is_spent_for_good() {
+fn lint_reports_conflicting_facts_and_one_way_states() {
     check(
         [pddl("(at ?parcel ?to) (not (carrying ?parcel))", "(at ?parcel ?to)")],
         &["domain.pddl:29:12 conflicting-facts drop carrying"],
@@ -269,7 +269,7 @@ fn what_is_spent_for_good() {
 }
 
 #[test]
-fn what_nothing_reads() {
+fn lint_reports_unused_and_useless_declarations() {
     check(
         fly(":precondition (not (robot-at ?to)) :effect (and (winged) (robot-at ?to))"),
         &["domain.pddl:18:49 unread-effect winged"],
@@ -301,7 +301,7 @@ fn what_nothing_reads() {
 }
 
 #[test]
-fn the_paper_s_two_names_would_be_found() {
+fn lint_reports_the_confusable_names_of_the_paper() {
     let mut files = shipped_files("virtualhome").unwrap();
     files.words = files.words.replacen("of = [\"Put\", \"PutIn\"]", "of = []", 1);
     let domain = load(&files).unwrap();
@@ -318,7 +318,7 @@ fn the_paper_s_two_names_would_be_found() {
 }
 
 #[test]
-fn names_that_a_model_will_confuse() {
+fn lint_reports_confusable_names_of_actions_and_states() {
     check(
         [toml("call = \"pick(", "call = \"drop_off(")],
         &["domain.toml:60:9 confusable-names drop_off drop"],
@@ -351,7 +351,7 @@ fn names_that_a_model_will_confuse() {
 }
 
 #[test]
-fn what_is_not_explained() {
+fn lint_reports_missing_and_ambiguous_explanations() {
     let unexplained = &["domain.toml:47:9 missing-explanation drive"];
     check([toml("Drive to another station.", " ")], unexplained);
     check([toml("Drive to another station.", "Drive.")], unexplained);
@@ -387,7 +387,7 @@ fn what_is_not_explained() {
 }
 
 #[test]
-fn what_no_example_shows() {
+fn lint_reports_forms_without_an_example() {
     check(
         [another_goal(
             "loaded({parcel})",
@@ -404,7 +404,7 @@ fn what_no_example_shows() {
 }
 
 #[test]
-fn names_that_match_nothing() {
+fn lint_reports_lexicon_names_that_match_nothing() {
     for (entry, expected) in [
         ("box = [\"crate\"]", ""),
         ("tube_a = [\"first tube\"]", ""),
@@ -435,7 +435,7 @@ fn names_that_match_nothing() {
 }
 
 #[test]
-fn findings_can_be_accepted() {
+fn lint_respects_acceptances_and_reports_stale_ones() {
     let accept = |lint: &str, of: &str, why: &str| {
         let text = format!("[[accept]]\nlint = \"{lint}\"\nof = [{of}]\nwhy = \"{why}\"\n\n[[rule]]");
         toml("[[rule]]", &text)

@@ -144,7 +144,7 @@ fn a_problem_becomes_the_environment() {
 }
 
 #[test]
-fn answers_become_pddl() {
+fn from_answers_writes_pddl_types_actions_and_goals() {
     let new = from_answers(&Answers::read("answers.toml", PORTER).unwrap()).unwrap_or_else(|f| panic!("{f}"));
     let pddl = text(&new, "domain.pddl");
     for part in [
@@ -165,7 +165,7 @@ fn answers_become_pddl() {
 
 /// Only what the new facts exclude is offered as gone: never what a place, or a thing by itself, is.
 #[test]
-fn the_default_for_what_holds_no_longer_is_what_the_new_facts_exclude() {
+fn guess_removed_offers_only_states_that_new_facts_exclude() {
     let kinds = "name = \"x\"\nkind = [{ name = \"box\" }, { name = \"lid\" }, { name = \"shelf\", stays = true }, \
                  { name = \"table\", stays = true }, { name = \"door\", stays = true }]\n";
     let take = r#"{ words = "pick up a box", needs = ["the box is on a shelf", "the box is closed", "the robot is at the shelf"],
@@ -272,7 +272,7 @@ then = ["the librarian holds the book"]
 "#;
 
 #[test]
-fn robot_is_at_one_place_of_whatever_kind() {
+fn guesses_keep_the_robot_at_one_place_across_kinds() {
     let mut answers = Answers::read("answers.toml", LIBRARIAN).unwrap();
     let drive = answers.action[1].clone();
     assert_eq!(
@@ -297,7 +297,7 @@ fn robot_is_at_one_place_of_whatever_kind() {
 }
 
 #[test]
-fn slips_of_the_pen_for_a_kind_are_found() {
+fn misspelt_kind_corrects_misspelled_names_of_kinds() {
     let answers = Answers::read("answers.toml", LIBRARIAN).unwrap();
     for (text, expected) in [
         ("the book is on the palce", Some("the book is on the place")),
@@ -314,7 +314,7 @@ fn slips_of_the_pen_for_a_kind_are_found() {
 }
 
 #[test]
-fn other_words_for_a_state_are_found() {
+fn same_state_finds_other_wordings_of_a_known_state() {
     let answers = Answers::read("answers.toml", PORTER).unwrap();
     let none = super::ActionAnswer::default();
     for (text, expected) in [
@@ -364,7 +364,7 @@ fn answers_that_make_no_domain_are_errors() {
 }
 
 #[test]
-fn what_is_not_supported_is_named_with_its_line() {
+fn domain_import_names_the_line_of_an_unsupported_section() {
     let text = BLOCKS.replacen("(:predicates", "\n(:process heat)\n(:predicates", 1);
     let found = from_any_pddl(
         "mine",
@@ -407,7 +407,7 @@ fn a_domain_is_read_together_with_its_problem() {
 
 /// Files as others write them become folders that load, with a note where something was rewritten.
 #[test]
-fn pddl_of_others_becomes_a_folder() {
+fn new_domain_imports_foreign_pddl_with_notes() {
     let durative = "```pddl
 (define (domain rover)
   (:requirements :strips :typing :durative-actions :universal-preconditions :fluents)
@@ -506,7 +506,7 @@ fn a_large_domain_takes_bounded_work_and_says_what_is_missing() {
 }
 
 #[test]
-fn kinds_of_objects_are_bounded_and_counted() {
+fn new_domain_notes_too_many_types_for_an_example_world() {
     let types: String = (0..400).map(|n| format!(" t{n}")).collect();
     let text = format!(
         "(define (domain wide) (:requirements :typing) (:types{types} - object) (:predicates (p ?a) (q ?a))
@@ -523,7 +523,7 @@ fn kinds_of_objects_are_bounded_and_counted() {
 }
 
 #[test]
-fn names_that_a_notation_reserves_get_other_words_and_a_note() {
+fn new_domain_renames_reserved_words_with_a_note() {
     let text = "(define (domain f) (:requirements :adl)\n (:predicates (if ?x) (never ?x) (all ?x) (untouched ?x))\n \
                 (:action for :parameters (?x) :precondition (not (if ?x)) :effect (and (if ?x) (never ?x) (all ?x) (untouched ?x))))";
     let new = made(text, None);

@@ -146,7 +146,7 @@ fn found(name: &str, from: &str, to: &str) -> Vec<String> {
 }
 
 #[test]
-fn robots_that_are_right_have_no_findings() {
+fn effect_lint_accepts_correct_domains() {
     for name in [
         "starter",
         "hand",
