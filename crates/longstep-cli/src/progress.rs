@@ -194,7 +194,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_wait_says_how_long_and_whether_it_comes_again() {
+    fn progress_message_states_percent_and_remaining_time() {
         let reading = |done, total| Progress::ReadingPrompt { done, total };
         for (progress, known, seconds, expected) in [
             (Progress::Loading, 0, 9, "Loading the model"),

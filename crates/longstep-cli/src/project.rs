@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_means_nothing_is_an_error_with_its_place() {
+    fn project_file_rejects_unknown_keys_and_wrong_types_with_position() {
         for (text, expected) in [
             (
                 "domain = \"porter\"\nenviroment = \"a.json\"",
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_above_counts_up_to_the_home_or_a_repository() {
+    fn project_file_search_ends_at_home_or_repository() {
         let root = tempfile::tempdir().unwrap();
         let deep = root.path().join("home/repository/part");
         std::fs::create_dir_all(&deep).unwrap();

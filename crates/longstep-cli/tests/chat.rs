@@ -103,7 +103,7 @@ const MOVE: [&str; 6] = [
 ];
 
 #[test]
-fn conversations() {
+fn chat_conversations_match_their_snapshots() {
     let table: Vec<(&str, &[&str], Vec<Answer>, &str)> = vec![
         (
             "one_after_the_other",
@@ -237,7 +237,7 @@ fn conversations() {
 }
 
 #[test]
-fn a_server_that_is_down_is_told_on_stderr_and_the_conversation_goes_on() {
+fn chat_continues_after_a_server_error_on_stderr() {
     let down = || Answer::Status(503, json!({"error": {"message": "busy"}}));
     for trouble in [down as fn() -> Answer, || Answer::HangUp] {
         let home = Home::new();
@@ -258,7 +258,7 @@ fn a_server_that_is_down_is_told_on_stderr_and_the_conversation_goes_on() {
 }
 
 #[test]
-fn a_saved_conversation_is_the_session_s_folder() {
+fn save_command_copies_the_plans_of_the_session() {
     let home = Home::new();
     let target = home.path().join("elsewhere/plans");
     let lines = format!(
@@ -281,7 +281,7 @@ fn a_saved_conversation_is_the_session_s_folder() {
 }
 
 #[test]
-fn a_model_that_cannot_be_opened_leaves_the_old_one() {
+fn model_command_keeps_the_old_model_after_an_error() {
     let home = Home::new();
     let lines = "/model nonsense:1\n/model\nPut the cereal on the counter\n\n";
     let ran = home.after(vec![cereal_on_counter()], lines);
@@ -291,7 +291,7 @@ fn a_model_that_cannot_be_opened_leaves_the_old_one() {
 }
 
 #[test]
-fn another_model_is_asked_from_then_on() {
+fn model_command_switches_the_model_of_the_chat() {
     let home = Home::new();
     let other = Server::giving(vec![goals(&["put(juice, counter)"])]);
     let lines = format!(
@@ -312,7 +312,7 @@ fn another_model_is_asked_from_then_on() {
 type Resumption<'a> = (&'a str, Vec<Answer>, String, Vec<Answer>, &'a str);
 
 #[test]
-fn sessions_go_on() {
+fn resumed_session_continues_where_it_ended() {
     let plan = "Put the cereal on the counter\n";
     let accepted = "Put the cereal on the counter\n\n";
     let juice = || goals(&["put(juice, counter)"]);
@@ -356,7 +356,7 @@ fn sessions_go_on() {
 }
 
 #[test]
-fn a_session_is_known_by_its_name() {
+fn session_commands_find_a_session_by_its_name() {
     let home = Home::new();
     let server = Server::giving(vec![cereal_on_counter(), goals(&["put(juice, counter)"])]);
     let reference = server.reference();
@@ -387,13 +387,13 @@ fn a_session_is_known_by_its_name() {
 }
 
 #[test]
-fn a_home_without_sessions_says_where_they_would_be() {
+fn session_list_without_sessions_shows_their_folder() {
     let home = Home::new();
     snapshot!("session_list_empty", seen(&mut home.longstep(&["session", "list"]), ""));
 }
 
 #[test]
-fn a_session_goes_the_same_way_again_or_differs() {
+fn session_replay_reports_identical_or_differing_runs() {
     let home = Home::new();
     let answers = vec![
         cereal_on_counter(),
@@ -462,7 +462,7 @@ fn damaged_logs_are_mended_or_refused_and_never_made_worse() {
 }
 
 #[test]
-fn a_session_that_is_open_elsewhere_is_left_alone() {
+fn resume_leaves_a_session_that_another_process_has_open() {
     let home = Home::new();
     home.after(vec![cereal_on_counter()], "Put the cereal on the counter\n\n");
     let server = Server::giving(vec![goals(&["put(juice, counter)"])]);
@@ -490,7 +490,7 @@ fn a_session_that_is_open_elsewhere_is_left_alone() {
 }
 
 #[test]
-fn a_changed_domain_that_makes_a_plan_invalid_is_told_and_nothing_is_touched() {
+fn resume_reports_a_plan_that_a_changed_domain_invalidates() {
     let home = Home::new();
     let domain = home.path().join("greenhouse");
     copy(&common::root().join("examples/greenhouse"), &domain);
@@ -590,7 +590,7 @@ fn a_folder_that_cannot_be_written_ends_the_conversation() {
 }
 
 #[test]
-fn what_is_typed_wrong_is_told() {
+fn chat_rejects_invalid_arguments_and_creates_no_session() {
     let home = Home::new();
     let server = Server::giving(vec![]);
     let reference = server.reference();

@@ -71,7 +71,7 @@ const CEREAL: &str = "put(cereal, counter)";
 const JUICE: &str = "put(juice, counter)";
 
 #[test]
-fn accepted_plans_move_the_robot_which_stays_where_it_is() {
+fn run_command_executes_each_accepted_plan_once() {
     let home = Home::new();
     let ran = home.said(
         &[CEREAL, JUICE, "put(cereal, shelf top)"],
@@ -161,7 +161,7 @@ fn a_mishap_is_mended_and_a_simulated_world_is_observed() {
 }
 
 #[test]
-fn what_cannot_be_run_is_said_with_what_to_do() {
+fn chat_explains_why_run_or_observe_is_not_possible() {
     let table: [(&[&str], &str, &str); 5] = [
         (&[], "/run\n", "this conversation has no robot"),
         (
@@ -195,7 +195,7 @@ fn what_cannot_be_run_is_said_with_what_to_do() {
 }
 
 #[test]
-fn each_step_is_approved_on_a_pipe_too() {
+fn run_command_asks_for_each_step_on_a_pipe() {
     let home = Home::new();
     let answers = "y\n".repeat(5) + "n\n";
     let ran = home.said(

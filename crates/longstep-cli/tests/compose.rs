@@ -41,7 +41,7 @@ fn check(script: &str, expected: (i32, &str, &str)) {
 }
 
 #[test]
-fn a_script_is_a_plan_or_is_told_why_not() {
+fn compose_verifies_a_script_or_gives_the_reason() {
     let cream = std::fs::read_to_string(root().join(STORED).join("cream.py")).unwrap();
     check(&cream, (0, "verified", ""));
     check("take_cream()\nshelve_cream()", (0, "verified", ""));

@@ -58,7 +58,7 @@ fn stderr(output: &Output) -> String {
 const RUN: [&str; 6] = ["eval", "desk", "--replies", "replies.json", "--out", "run"];
 
 #[test]
-fn a_run_is_kept_shown_and_not_run_twice() {
+fn eval_keeps_results_and_resumes_an_incomplete_run() {
     let folder = folder();
     let output = longstep(folder.path(), &RUN);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -90,7 +90,7 @@ fn a_run_is_kept_shown_and_not_run_twice() {
 }
 
 #[test]
-fn measures_for_programs() {
+fn eval_json_reports_the_measures_of_a_run() {
     let folder = folder();
     let output = longstep(folder.path(), &[&RUN[..], &["--json"]].concat());
     let object: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
@@ -109,7 +109,7 @@ fn check_refused(folder: &Path, arguments: &[&str], expected: &str) {
 }
 
 #[test]
-fn what_cannot_be_run_is_told_and_nothing_is_written() {
+fn eval_rejects_an_invalid_run_and_writes_nothing() {
     let folder = folder();
     let path = folder.path();
     check_refused(

@@ -184,7 +184,7 @@ fn a_reader_that_goes_away_ends_the_program_quietly() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn nothing_is_accepted_that_could_not_be_shown() {
+fn chat_accepts_no_plan_that_it_could_not_show() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::giving(vec![goals(&["put(cereal, counter)"]); 3]);
     let mut child = longstep(home.path())
@@ -209,7 +209,7 @@ fn nothing_is_accepted_that_could_not_be_shown() {
 }
 
 #[test]
-fn a_plan_is_saved_through_whatever_is_there() {
+fn save_writes_through_links_pipes_and_devices() {
     let home = tempfile::tempdir().unwrap();
     let path = |name: &str| home.path().join(name);
     let save = |to: &Path| {
@@ -250,7 +250,7 @@ fn a_plan_is_saved_through_whatever_is_there() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_has_no_end_is_not_read_to_it() {
+fn commands_stop_reading_endless_files_at_the_size_limit() {
     let home = tempfile::tempdir().unwrap();
     suite(home.path());
     let path = |name: &str| home.path().join(name).to_str().unwrap().to_owned();
@@ -314,7 +314,7 @@ fn what_has_no_end_is_not_read_to_it() {
 }
 
 #[test]
-fn what_people_said_is_for_its_owner_alone() {
+fn session_and_evaluation_files_are_private_to_their_owner() {
     let home = tempfile::tempdir().unwrap();
     suite(home.path());
     let path = |name: &str| home.path().join(name);
@@ -416,7 +416,7 @@ fn wait(lines: &mut impl Iterator<Item = std::io::Result<String>>, text: &str) {
 }
 
 #[test]
-fn ctrl_c_on_a_pipe_loses_nothing() {
+fn chat_loses_no_input_after_ctrl_c_on_a_pipe() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::giving(vec![
         goals(&["put(cereal, counter)"]),
@@ -464,7 +464,7 @@ fn evaluate(home: &Path, server: &str) -> Ran {
 }
 
 #[test]
-fn a_run_goes_on_with_its_own_server_only() {
+fn eval_resumes_a_run_only_with_its_own_server() {
     let home = tempfile::tempdir().unwrap();
     suite(home.path());
     let path = |name: &str| home.path().join(name).to_str().unwrap().to_owned();

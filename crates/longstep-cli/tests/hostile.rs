@@ -244,7 +244,7 @@ fn an_evaluation_can_be_stopped_at_every_moment() {
 
 #[test]
 #[ignore = "prints a table"]
-fn measured() {
+fn plan_is_measured_against_hostile_servers() {
     let home = tempfile::tempdir().unwrap();
     println!("| mode | limits made short | exit | s | peak MB |\n|---|---|---|---|---|");
     for mode in modes() {

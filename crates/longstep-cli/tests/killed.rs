@@ -350,7 +350,7 @@ fn a_killed_session_loses_no_accepted_plan() {
 }
 
 #[test]
-fn a_log_cut_off_anywhere_is_gone_on_with() {
+fn session_resumes_from_a_log_cut_off_anywhere() {
     let server = server();
     let home = tempfile::tempdir().unwrap();
     let folder = home.path().join("session");

@@ -89,7 +89,7 @@ fn an_instruction_moves_a_robot() {
 
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
-fn the_second_domain_works_too() {
+fn plan_reaches_a_goal_in_the_virtualhome_domain() {
     let (code, answer) = plan("Switch the lamp on", "examples/environments/flat.json", "virtualhome");
     assert_eq!(
         (code, &answer["goal"]),
@@ -100,7 +100,7 @@ fn the_second_domain_works_too() {
 
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
-fn what_cannot_be_understood_is_asked_back() {
+fn plan_asks_a_question_about_an_unclear_instruction() {
     for instruction in ["do the thing", "fetch the banana"] {
         let (code, answer) = plan(instruction, PANTRY, "household");
         assert_eq!((code, &answer["status"]), (13, &Value::from("question")), "{answer}");

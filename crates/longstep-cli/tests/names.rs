@@ -83,7 +83,7 @@ fn a_suite_with_an_unreachable_goal_is_refused() {
 
 /// A level of one is not reached in steps of two, and no bound says so.
 #[test]
-fn a_check_of_goals_says_where_the_search_gave_up() {
+fn eval_check_reports_where_the_search_gave_up() {
     let home = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(home.path().join(name), text).unwrap();
     write(

@@ -83,7 +83,7 @@ fn nothing_is_written_for_what_is_not_supported() {
 }
 
 #[test]
-fn questions_make_a_domain_and_keep_the_answers() {
+fn domain_new_with_questions_keeps_the_answers() {
     let home = home();
     let input = "porter\nbox\nshelf\npick up a box\nthe box is on a shelf; the porter holds no box\n\
                  the porter holds the box\n\nput a box on a shelf\nthe porter holds the box\nthe box is on the shelf\n\n\n";
@@ -178,7 +178,7 @@ fn answers_are_kept_when_a_terminal_goes_away() {
 }
 
 #[test]
-fn a_trial_says_what_was_understood_and_whether_it_is_right() {
+fn domain_try_shows_each_goal_and_whether_it_is_right() {
     let home = home();
     let new = ["new", "mine", "--pddl", "lamps.pddl", "--problem", "evening.pddl"];
     assert_eq!(domain(home.path(), &new, "").code, 0);

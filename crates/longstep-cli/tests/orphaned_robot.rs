@@ -251,7 +251,7 @@ fn a_robot_that_goes_on_after_a_kill_is_not_started_twice() {
 }
 
 #[test]
-fn a_process_that_left_the_robots_group_keeps_the_robot() {
+fn resume_is_refused_while_a_child_of_the_robot_runs() {
     let bench = Bench::new("leaves a daemon", "1");
     bench.killed();
     let daemon: u32 = fs::read_to_string(bench.path("daemon")).unwrap().parse().unwrap();

@@ -108,7 +108,7 @@ fn a_prompt_is_explained_and_not_sent() {
 }
 
 #[test]
-fn parts_of_the_prompt_are_replaced_by_one_s_own() {
+fn prompt_folder_replaces_parts_of_the_prompt() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().to_str().unwrap();
     std::fs::write(
@@ -132,7 +132,7 @@ fn parts_of_the_prompt_are_replaced_by_one_s_own() {
 }
 
 #[test]
-fn what_was_recorded_is_answered_again() {
+fn plan_replays_recorded_replies_without_a_server() {
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("recorded.jsonl");
     let file = file.to_str().unwrap();

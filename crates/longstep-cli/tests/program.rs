@@ -53,7 +53,7 @@ fn domains_are_listed_and_shown() {
 }
 
 #[test]
-fn tasks_are_exchanged_with_planners() {
+fn solve_writes_and_reads_pddl_problems() {
     let goal = "put(butter, shelf top)";
     snapshot!("solve_as_pddl", &["solve", "--goal", goal, "--env", PANTRY, "--pddl"]);
     let (_, problem, _) = longstep(&["solve", "--goal", goal, "--env", PANTRY, "--pddl"]);
@@ -366,7 +366,7 @@ fn replies_are_read_as_plans() {
 }
 
 #[test]
-fn what_is_no_plan_is_one_clear_error() {
+fn commands_report_one_error_for_a_reply_without_a_plan() {
     snapshot!("reply_cut_off", &in_flat("verify", plan!("cut_off.txt"), &[]));
     snapshot!("reply_refusal", &in_flat("repair", plan!("refusal.txt"), &[]));
     snapshot!("reply_two_plans", &in_flat("verify", plan!("two_plans.txt"), &[]));
@@ -393,7 +393,7 @@ fn a_question_in_a_reply_is_passed_on() {
 }
 
 #[test]
-fn feedback_is_for_a_model() {
+fn verify_feedback_prints_a_message_for_the_model() {
     snapshot!(
         "feedback",
         &in_flat("verify", plan!("light_and_pillow.json"), &["--feedback"])
@@ -619,7 +619,7 @@ fn a_saved_plan_verifies_again() {
 }
 
 #[test]
-fn nothing_is_saved_where_it_cannot_be() {
+fn solve_reports_a_plan_file_that_cannot_be_written() {
     let (code, stdout, stderr) = longstep(&[
         "solve",
         "--goal",
@@ -677,7 +677,7 @@ fn a_doubtful_domain_is_warned_of() {
 }
 
 #[test]
-fn a_broken_domain_tells_everything_at_once() {
+fn domain_check_reports_all_errors_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("porter");
     assert_eq!(longstep(&["domain", "new", path.to_str().unwrap()]).0, 0);

@@ -95,7 +95,7 @@ fn a_mistake_in_a_project_file_is_an_error_where_the_file_is_needed() {
 }
 
 #[test]
-fn a_plan_knows_its_domain() {
+fn saved_plan_records_its_domain_and_rejects_another() {
     let home = tempfile::tempdir().unwrap();
     project(home.path());
     let plan = home.path().join("project/plan.json");
@@ -174,7 +174,7 @@ fn error_of(ran: &Ran) -> Value {
 }
 
 #[test]
-fn an_error_is_an_object_where_the_result_would_be_one() {
+fn errors_are_json_objects_where_the_result_is_json() {
     let home = tempfile::tempdir().unwrap();
     let broken = home.path().join("broken.json");
     std::fs::write(
@@ -210,7 +210,7 @@ fn an_error_is_an_object_where_the_result_would_be_one() {
 }
 
 #[test]
-fn an_error_for_several_reasons_is_several_lines() {
+fn error_with_several_reasons_has_one_line_for_each() {
     let home = tempfile::tempdir().unwrap();
     let plan = home.path().join("plan.json");
     let goal = "put(butter, counter)";

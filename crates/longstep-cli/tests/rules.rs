@@ -20,7 +20,7 @@ fn solve(goal: &str, rules: Option<&str>) -> (i32, Value, String) {
 }
 
 #[test]
-fn goals_are_achieved_in_order_and_shown_so() {
+fn solve_achieves_and_lists_goals_in_order() {
     let goal = "put(cereal, counter) then put(juice, counter) & never put(butter, floor)";
     let (code, answer, stderr) = solve(goal, None);
     assert_eq!(code, 0, "{stderr}");
@@ -80,7 +80,7 @@ fn a_plan_that_breaks_a_rule_is_refused_with_its_words() {
 }
 
 #[test]
-fn what_is_no_rule_is_an_error_with_its_line() {
+fn rules_file_errors_name_the_line_of_an_invalid_rule() {
     for (rules, expected) in [
         ("untouched(juice)\nnever opened(freezer)\n", "robot.rules:2: `freezer`"),
         (

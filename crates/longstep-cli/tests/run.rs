@@ -84,7 +84,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn a_plan_runs_in_the_simulator_whatever_happens() {
+fn run_completes_in_the_simulator_despite_faults() {
     let bench = Bench::new();
     for (index, robot) in [
         "sim",
@@ -147,7 +147,7 @@ fn an_instruction_runs_in_the_simulator() {
 }
 
 #[test]
-fn words_that_a_saved_plan_does_not_say_are_told_before_it_runs() {
+fn run_shows_omissions_of_a_saved_plan_before_it_starts() {
     let home = TempDir::new().unwrap();
     let answer = serde_json::json!({"goal": GOAL, "left_out": [{"text": "by noon", "kind": "time"}], "question": ""});
     let server = Server::giving(vec![Answer::Says(answer.to_string())]);
@@ -198,7 +198,7 @@ fn a_plan_that_nobody_approves_does_not_run() {
 }
 
 #[test]
-fn a_robot_that_is_none_is_an_error() {
+fn run_rejects_an_invalid_robot_argument() {
     let bench = Bench::new();
     for robot in [
         "drone",
@@ -378,7 +378,7 @@ fn a_signal_stops_the_robot_while_a_step_hangs() {
 }
 
 #[test]
-fn a_real_robot_moves_only_when_it_is_said_and_for_one_run_at_a_time() {
+fn real_robot_moves_only_with_live_and_for_one_run_at_a_time() {
     let bench = Bench::new();
     fs::write(bench.path("robot.py"), HANGING.replace("\"simulated\": True, ", "")).unwrap();
     let file = |name: &str| bench.path(name);
@@ -484,7 +484,7 @@ fn a_killed_run_is_taken_up_again() {
 }
 
 #[test]
-fn a_log_that_is_none_is_an_error() {
+fn resume_rejects_a_file_that_is_no_run_log() {
     let bench = Bench::new();
     let resume = |path: &Path| {
         longstep(bench.folder.path())
@@ -532,7 +532,7 @@ fn an_error_in_the_goal_has_its_own_hint() {
 }
 
 #[test]
-fn a_sentence_of_a_plan_stands_in_a_question_without_its_full_stop() {
+fn step_question_omits_the_full_stop_of_the_sentence() {
     let bench = Bench::new();
     let plan = fs::read_to_string(bench.path("plan.json")).unwrap();
     let mut plan: Value = serde_json::from_str(&plan).unwrap();

@@ -97,7 +97,7 @@ fn a_picture_is_sent_byte_by_byte_and_the_reply_becomes_an_environment() {
 }
 
 #[test]
-fn what_a_reply_lacks_is_resolved_or_left_out_and_listed() {
+fn see_resolves_or_omits_unknown_names_and_lists_each_change() {
     let home = tempfile::tempdir().unwrap();
     let (ran, _) = see(home.path(), vec![reply("lenient")], &["--json"], "");
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
@@ -148,7 +148,7 @@ fn a_contradictory_reply_is_shown_and_never_saved() {
 }
 
 #[test]
-fn a_person_corrects_in_words() {
+fn see_applies_corrections_in_words() {
     let home = tempfile::tempdir().unwrap();
     let replies = vec![
         reply("good"),
@@ -213,7 +213,7 @@ fn replies_that_cannot_be_used_are_errors() {
 }
 
 #[test]
-fn files_that_are_no_source_are_errors() {
+fn see_rejects_files_that_are_not_scenes_or_pictures() {
     let home = tempfile::tempdir().unwrap();
     let file = |name: &str, bytes: &[u8]| {
         let path = home.path().join(name);
@@ -276,7 +276,7 @@ fn a_build_without_embedded_vision_says_what_to_do() {
 }
 
 #[test]
-fn a_new_look_says_what_changed_in_a_session() {
+fn see_lists_changes_against_the_world_of_a_session() {
     let home = tempfile::tempdir().unwrap();
     let session = home.path().join("kitchen");
     let server = Server::giving(Vec::new());

@@ -73,7 +73,7 @@ fn a_server_s_question_is_passed_on() {
 }
 
 #[test]
-fn a_server_that_answers_nonsense_is_told_of() {
+fn plan_reports_a_server_whose_replies_are_unreadable() {
     let content = "Sure! I will put the cereal on the counter.";
     let server = Server::giving(vec![says(content), says(content)]);
     let output = plan(&server, "Put the cereal on the counter");
@@ -92,7 +92,7 @@ fn a_server_that_answers_nonsense_is_told_of() {
 
 /// A goal that it repeats after it was told that there is no such thing is a question.
 #[test]
-fn a_server_that_insists_on_nonsense_is_a_question() {
+fn plan_asks_a_question_if_an_invalid_goal_is_repeated() {
     for (goal, expected) in [
         ("put(unicorn, counter)", "`unicorn`"),
         ("fly(cereal)", "`fly(cereal)` is not a goal"),
@@ -110,7 +110,7 @@ fn a_server_that_insists_on_nonsense_is_a_question() {
 }
 
 #[test]
-fn a_server_is_told_what_is_wrong_with_its_answer() {
+fn plan_returns_the_error_of_an_invalid_goal_to_the_model() {
     let right = r#"{"goal": "put(cereal, counter)", "left_out": [], "question": ""}"#;
     let wrong = r#"{"goal": "put(unicorn, counter)", "left_out": [], "question": ""}"#;
     let server = Server::giving(vec![says(wrong), says(right)]);
@@ -135,7 +135,7 @@ fn a_server_is_told_what_is_wrong_with_its_answer() {
 }
 
 #[test]
-fn a_wrong_key_is_told_without_telling_it() {
+fn wrong_key_error_does_not_reveal_the_key() {
     let error =
         json!({"error": {"message": format!("Incorrect API key provided: {KEY}"), "type": "invalid_request_error"}});
     let server = Server::giving(vec![Answer::Status(401, error)]);

@@ -181,7 +181,7 @@ fn a_spreadsheet_teaches_the_same_and_its_notes_are_shown() {
 }
 
 #[test]
-fn mistakes_are_named_with_the_next_step() {
+fn teach_errors_name_the_mistake_and_the_next_step() {
     let bench = Bench::new();
     let whole = recording(&[1, 2, 3, 4], 1.0, true);
     for (name, text) in [
@@ -290,7 +290,7 @@ fn mistakes_are_named_with_the_next_step() {
 }
 
 #[test]
-fn one_step_after_the_other_is_asked_for() {
+fn teach_asks_for_the_recording_of_each_step_in_turn() {
     let bench = Bench::new();
     for step in 1..=4 {
         bench.write(&format!("step{step}.csv"), &recording(&[step], 1.0, false));

@@ -86,7 +86,7 @@ fn a_recording_replays_without_the_model() {
 
 #[test]
 #[ignore = "needs LONGSTEP_TEST_VISION"]
-fn what_cannot_see_is_an_error_with_what_to_do() {
+fn see_rejects_models_without_a_matching_projector() {
     let home = tempfile::tempdir().unwrap();
     let (model, wide) = (file("model"), file("wide"));
     for (arguments, message, hint) in [

@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn early_lines_wait_until_they_are_used() {
+    fn typed_ahead_keeps_early_lines_until_they_are_used() {
         let mut typed = TypedAhead::default();
         typed.add("\n\nclose the\tfridge\x1b[A\x1b[1;5C\x00\r\nwipe the table\x1bOP");
         let first = |typed: &TypedAhead| typed.0.front().cloned();
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_is_sent_as_it_was_typed_is_used() {
+    fn typed_ahead_uses_a_line_that_is_submitted_unchanged() {
         for (early, line, decides, is_used) in [
             ("/plan", "/plan", false, true),
             ("/plan", "/plan", true, true),

@@ -467,7 +467,7 @@ mod tests {
     ];
 
     #[test]
-    fn questions_follow_from_the_answers() {
+    fn interview_derives_the_next_question_from_the_answers() {
         for (lines, text, default) in [
             (&[][..], "What is the robot called", "robot"),
             (&PICK[..2], "Which kinds of places", "shelf"),
@@ -515,7 +515,7 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_with_a_mistake_is_asked_for_again() {
+    fn interview_repeats_a_question_after_an_invalid_answer() {
         for (lines, expected) in [
             (&["porter", "box", "box"][..], "`box` is in both lists"),
             (&["porter", "box", "shelf", "sing"], "does not name what it is done to"),

@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_our_own_styles_come_through() {
+    fn styled_line_keeps_own_styles_and_escapes_the_rest() {
         let through_text = format!("{}", "x".red());
         let name = "\u{1b}[31mju\u{202e}ice\nVerified: 1 step";
         for (line, shown) in [
