@@ -239,7 +239,7 @@ fn quoted_names(text: &str) -> BTreeSet<&str> {
 }
 
 #[test]
-fn every_crate_has_its_place() {
+fn layer_order_contains_every_crate_folder() {
     let folders = fs::read_dir(crates()).unwrap();
     let names: BTreeSet<String> = folders
         .map(|folder| folder.unwrap().file_name().into_string().unwrap())
@@ -282,7 +282,7 @@ fn crates_depend_one_way() {
 }
 
 #[test]
-fn a_circle_is_found_with_its_lines() {
+fn import_circles_are_reported_with_their_lines() {
     let text = "use crate::{b::{X, Y}, c};\n// crate::d is a comment\nfn f() { crate::e::g() }\n";
     let names = crate_names(&code(text));
     let names: Vec<String> = names.into_iter().map(|(line, name)| format!("{line} {name}")).collect();

@@ -169,7 +169,7 @@ fn a_plan_is_not_run_for_a_purpose_that_it_does_not_achieve() {
 
 /// Every order in turn has no effect, though the robot says so; the first stage has to happen in the real world.
 #[test]
-fn a_stage_that_never_happened_does_not_count() {
+fn execution_counts_only_stages_that_really_happened() {
     let world = kitchen();
     let goal = "put(pen, shelf) then put(cup, shelf) then put(pen, table)";
     let there = fact(&world, "<pen> on_something(<shelf>)");
@@ -204,7 +204,7 @@ fn a_stage_that_never_happened_does_not_count() {
 }
 
 #[test]
-fn nothing_is_done_that_nobody_has_seen() {
+fn execution_stops_if_the_goal_was_never_observed() {
     let world = kitchen();
     let goal = "put(cup, shelf)";
     let unseen = |end: &Need| match end {
@@ -240,7 +240,7 @@ fn nothing_is_done_that_nobody_has_seen() {
 }
 
 #[test]
-fn a_person_is_asked_about_what_nobody_has_seen() {
+fn execution_asks_a_person_to_confirm_unobserved_goals() {
     let world = kitchen();
     for holds in [true, false] {
         let mut execution = begin(&world, "put(cup, shelf)", trusting(Approval::Changes, Trust::Observed));
@@ -277,7 +277,7 @@ fn a_person_is_asked_about_what_nobody_has_seen() {
 
 /// A robot that sees half of the world at a time is asked to look again.
 #[test]
-fn the_end_is_looked_at_again_where_a_look_may_show_more() {
+fn execution_observes_again_if_the_goal_is_partly_unseen() {
     let world = kitchen();
     let mut execution = begin(
         &world,
@@ -313,7 +313,7 @@ fn the_end_is_looked_at_again_where_a_look_may_show_more() {
 }
 
 #[test]
-fn numbers_belong_to_the_purpose_of_a_plan_without_a_goal() {
+fn execution_of_a_plan_without_a_goal_checks_numbers() {
     let world = tank();
     let plan = plan(&world, "level(north tank) >= 5");
     for idle in [&[][..], &[1], &[2], &[3]] {
@@ -340,7 +340,7 @@ fn numbers_belong_to_the_purpose_of_a_plan_without_a_goal() {
 
 /// The robot dies in a step that changes numbers only: they say whether it was done.
 #[test]
-fn numbers_settle_an_interrupted_order() {
+fn resume_infers_an_interrupted_order_from_numbers() {
     let world = tank();
     let goal = "level(north tank) >= 5";
     for was_done in [false, true] {
@@ -431,7 +431,7 @@ fn a_resumed_run_has_the_stricter_approval() {
 
 /// The event of a step that had no effect did not happen.
 #[test]
-fn an_event_of_a_refuted_step_did_not_happen() {
+fn execution_discards_events_of_steps_without_effect() {
     let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<sponge>"],
         "object_states": {"<sponge>": "on_something(<shelf>)"}}"#;
     let world = environment::parse(&household(), "env.json", text).unwrap();

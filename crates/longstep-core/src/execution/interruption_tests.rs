@@ -56,7 +56,7 @@ fn observe(execution: &mut Execution, seen: &[(&str, &str)]) {
 
 /// The second stage is achieved by a step that says that it failed: the first one was seen before it.
 #[test]
-fn progress_that_was_seen_is_kept_when_the_next_step_fails() {
+fn execution_keeps_observed_progress_when_the_next_step_fails() {
     let world = lamps("");
     let mut execution = begin(&world, "lit(north) then lit(south)", Trust::Observed);
     observe(&mut execution, &[("north", ""), ("south", "")]);
@@ -71,7 +71,7 @@ fn progress_that_was_seen_is_kept_when_the_next_step_fails() {
 
 /// A thing that is to be left untouched stays protected after others have moved it.
 #[test]
-fn what_is_untouched_stays_protected_after_others_moved_it() {
+fn execution_protects_untouched_objects_after_external_changes() {
     let world = lamps("(dusty north)");
     let mut execution = begin(&world, "swept() & untouched(south)", Trust::Observed);
     // Somebody spills dust over the south lamp, which sweeping would take away.
@@ -82,7 +82,7 @@ fn what_is_untouched_stays_protected_after_others_moved_it() {
 
 /// The program is killed when a person was asked about an order; what the look before the question showed is still known.
 #[test]
-fn a_look_before_an_interruption_counts() {
+fn resume_uses_observations_made_before_an_interruption() {
     let world = kitchen();
     let mut execution = begin(&world, "put(cup, shelf)", Trust::Observed);
     let seen = [("<cup>", "on_something(<table>)"), ("<pen>", "on_something(<table>)")];
@@ -109,7 +109,7 @@ fn a_look_before_an_interruption_counts() {
 
 /// The log lacks the end that trusts a promise, and the run is taken up again without trust.
 #[test]
-fn an_end_that_trusts_a_promise_is_taken_back() {
+fn resume_without_trust_reopens_an_end_based_on_promises() {
     let world = tank();
     let mut execution = begin(
         &world,
@@ -191,7 +191,7 @@ means = "a bell was rung"
 
 /// One look shows that a step did what it promised; the next one that somebody has undone it. The bell was rung.
 #[test]
-fn what_a_look_has_shown_is_not_the_failure_of_a_step() {
+fn execution_counts_a_step_as_done_once_its_effect_was_observed() {
     let files = Files {
         pddl: BELLS.to_owned(),
         words: BELLS_WORDS.to_owned(),
@@ -216,7 +216,7 @@ fn what_a_look_has_shown_is_not_the_failure_of_a_step() {
 
 /// The first of two steps had no effect, so both are repeated. The second one has not failed.
 #[test]
-fn a_step_that_is_repeated_behind_another_one_has_not_failed() {
+fn execution_does_not_count_a_repeated_later_step_as_failed() {
     let world = lamps("");
     let mut execution = begin(&world, "lit(north) & lit(south)", Trust::Promised);
     execution.settings.watch = Watch::OnFailure;
@@ -238,7 +238,7 @@ fn a_step_that_is_repeated_behind_another_one_has_not_failed() {
 
 /// Somebody undoes what a step was for each time. That the step is left out at last proves nothing.
 #[test]
-fn what_others_undo_is_no_proof() {
+fn execution_claims_no_proof_after_omitting_an_undone_step() {
     let world = lamps("");
     let mut execution = begin(&world, "lit(north)", Trust::Promised);
     let step = GroundAction {

@@ -166,7 +166,7 @@ fn assessments(log: &[Event]) -> Vec<String> {
 }
 
 #[test]
-fn a_difference_is_sorted_and_mended() {
+fn execution_classifies_and_repairs_differences() {
     let world = kitchen();
     // The plan for the cup: move-hand, grasp, detach, move-object, attach, release.
     let away = ["-<cup> on_something(<table>)", "+<cup> inside_something(<fridge>)"];
@@ -227,7 +227,7 @@ fn a_step_that_keeps_failing_is_given_up_with_a_reason() {
 }
 
 #[test]
-fn a_constraint_holds_for_the_change_too() {
+fn execution_applies_constraints_to_the_changed_plan() {
     // The cup ends up in the fridge, which may not be opened.
     let world = kitchen();
     let goal = "put(cup, shelf) & never opened(fridge)";
@@ -331,7 +331,7 @@ fn approve(execution: &mut Execution) -> ProposalId {
 
 /// A change is proposed; before the person answers, the world changes again, and so does the change.
 #[test]
-fn an_approval_of_one_change_lets_no_other_through() {
+fn approval_of_one_change_does_not_approve_another() {
     let world = kitchen();
     let settings = Settings {
         reports: reports(&world),
@@ -481,7 +481,7 @@ fn after_a_robot_failed_an_unknown_step_is_observed_or_asked_about() {
 }
 
 #[test]
-fn a_failure_of_the_robot_approves_nothing() {
+fn resume_after_a_robot_failure_still_asks_for_approval() {
     let world = kitchen();
     let aim = Aim::Goal("put(cup, shelf)".to_owned());
     let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, Settings::default()).unwrap();
@@ -505,7 +505,7 @@ fn a_failure_of_the_robot_approves_nothing() {
 }
 
 #[test]
-fn a_step_that_no_observation_shows_is_asked_about() {
+fn execution_asks_about_a_step_that_observations_cannot_show() {
     let world = kitchen();
     let settings = Settings {
         approval: Approval::Never,
@@ -569,7 +569,7 @@ fn a_step_that_no_observation_shows_is_asked_about() {
 
 /// The handle is reached twice, and the hand has to go elsewhere the second time.
 #[test]
-fn values_for_a_step_come_with_that_step_and_no_other() {
+fn execution_sends_skill_values_only_with_their_own_step() {
     let mut files = domain::shipped_files("household").unwrap();
     let declared = r#"[[action]]
         name = "move-hand"
