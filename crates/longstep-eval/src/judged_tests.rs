@@ -166,7 +166,7 @@ fn goals_are_compared_with_the_nearest_that_is_expected() {
 }
 
 #[test]
-fn questions_are_right_where_they_are_expected() {
+fn questions_are_correct_only_where_they_are_expected() {
     let asks = json!({"goal": "", "left_out": [], "question": "Which one?"});
     let questioned = attempt(
         Strategy::Goal,
@@ -207,7 +207,7 @@ fn questions_are_right_where_they_are_expected() {
 }
 
 #[test]
-fn nothing_is_done_where_that_is_expected() {
+fn inaction_is_correct_where_nothing_is_expected() {
     let attempt = |goals: &[&str], question: &str| {
         let reply = json!({"goal": goals.join(" & "), "left_out": [], "question": question});
         attempt(Strategy::Goal, "The tablelamp stays off.", "expect = 'nothing'", &reply)

@@ -117,7 +117,7 @@ fn bytes(folder: &Path) -> Vec<u8> {
 }
 
 #[test]
-fn cut_off_anywhere() {
+fn evaluation_resumes_after_a_cut_at_any_byte() {
     let whole = tempfile::tempdir().unwrap();
     assert_eq!(go_on(whole.path(), 1), 6);
     let results = folder::read(whole.path()).unwrap();
@@ -141,7 +141,7 @@ fn cut_off_anywhere() {
 }
 
 #[test]
-fn several_workers_write_the_same() {
+fn several_workers_write_identical_results() {
     let (one, several) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     go_on(one.path(), 1);
     go_on(several.path(), 4);
@@ -149,7 +149,7 @@ fn several_workers_write_the_same() {
 }
 
 #[test]
-fn another_run_is_not_written_over() {
+fn run_folder_refuses_to_overwrite_another_run() {
     let folder = tempfile::tempdir().unwrap();
     go_on(folder.path(), 1);
     let before = bytes(folder.path());

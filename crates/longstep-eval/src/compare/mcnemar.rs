@@ -27,7 +27,7 @@ mod tests {
     use super::mcnemar;
 
     #[test]
-    fn known_values() {
+    fn mcnemar_returns_known_exact_p_values() {
         let known = [
             ((0, 0), 1.0),
             ((1, 9), 0.021_484_375),
@@ -44,7 +44,7 @@ mod tests {
     }
 
     #[test]
-    fn many_attempts_are_no_trouble() {
+    fn mcnemar_stays_finite_for_thousands_of_attempts() {
         assert!(mcnemar(2_000, 2_600) < 1e-15);
         assert!(mcnemar(2_000, 2_600) > 0.0);
         assert!((mcnemar(5_000, 5_000) - 1.0).abs() < 1e-12);

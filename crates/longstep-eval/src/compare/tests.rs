@@ -7,7 +7,7 @@ fn one_line(lines: &str) -> String {
 }
 
 #[test]
-fn what_came_out_differently_is_listed_on_its_side() {
+fn comparison_lists_changed_cases_by_direction() {
     let first = results("desk", "small", vec![right("pen", 1), wrong("cup", 1), wrong("ink", 1)]);
     let mut second = results("desk", "large", vec![wrong("pen", 1), right("cup", 1), wrong("ink", 1)]);
     second.plan.seed = 7;
@@ -38,7 +38,7 @@ fn what_came_out_differently_is_listed_on_its_side() {
 }
 
 #[test]
-fn of_different_suites_only_common_attempts_count() {
+fn comparison_of_different_suites_counts_common_attempts() {
     let first = results("desk", "one", vec![right("pen", 1), right("cup", 1)]);
     let second = results("shelf", "one", vec![wrong("pen", 1), wrong("ink", 1), wrong("box", 1)]);
     let lines = text(&first, &second);

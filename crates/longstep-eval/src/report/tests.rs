@@ -221,7 +221,7 @@ fn an_empty_run_has_a_report() {
 }
 
 #[test]
-fn measures_are_those_that_there_is_something_to_say_about() {
+fn report_omits_measures_without_data() {
     let lines = text(&mixed());
     assert!(lines.contains("asked needlessly    25 %  1/4 "), "{lines}");
     let page = html(&results("kitchen", "none", vec![right("pen", 1)]));

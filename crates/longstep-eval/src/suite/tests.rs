@@ -36,7 +36,7 @@ fn check(cases: &str, expected: &[&str]) {
 }
 
 #[test]
-fn good_cases_are_read() {
+fn suite_reader_accepts_well_formed_cases() {
     check(
         "[[case]]\nid = 'a'\nscene = 'desk'\nsays = 'Shelve the pen.'\ngoal = 'put(pen, shelf)'",
         &[],
@@ -52,7 +52,7 @@ fn good_cases_are_read() {
 }
 
 #[test]
-fn everything_that_is_wrong_is_told_with_its_place() {
+fn suite_errors_name_the_position_of_each_mistake() {
     check(
         "[[case]]\nid = 'a'\nscene = 'dest'\nsays = 'x'\ngoal = 'put(pen, shelf)'\n\
          [[case]]\nid = 'a'\nscene = 'desk'\nsays = ' '\ngoal = 'put(comb, shelf)'\n\
@@ -84,7 +84,7 @@ fn everything_that_is_wrong_is_told_with_its_place() {
 }
 
 #[test]
-fn broken_files_are_told_together() {
+fn suite_reader_reports_all_broken_files_together() {
     let broken = files(
         "name = 'mine'",
         "[[case]",
@@ -181,7 +181,7 @@ fn a_goal_that_holds_already_is_found() {
 }
 
 #[test]
-fn the_shipped_suites_are_as_large_as_they_say() {
+fn shipped_suites_have_the_expected_number_of_cases() {
     let counts: BTreeMap<&str, (usize, usize)> = shipped_names()
         .into_iter()
         .map(|name| {

@@ -157,7 +157,7 @@ fn solve(world: &World, text: &str) -> Option<VerifiedPlan> {
 }
 
 #[test]
-fn search_finds_no_plan_that_breaks_one() {
+fn search_finds_no_plan_that_breaks_a_prohibition() {
     for scene in scenes() {
         let case = &scene.case;
         // Given with the instruction, and as a rule of the world.
@@ -175,7 +175,7 @@ fn search_finds_no_plan_that_breaks_one() {
 }
 
 #[test]
-fn the_goal_strategy_keeps_to_them() {
+fn goal_strategy_obeys_prohibitions() {
     let mut accepted = 0;
     for scene in scenes() {
         let case = &scene.case;
@@ -200,7 +200,7 @@ fn the_goal_strategy_keeps_to_them() {
 }
 
 #[test]
-fn the_direct_strategy_accepts_no_plan_that_breaks_one() {
+fn direct_strategy_accepts_no_plan_that_breaks_a_prohibition() {
     for repair in [RepairPolicy::First, RepairPolicy::AfterFeedback, RepairPolicy::Never] {
         for scene in scenes() {
             let settings = Settings {
@@ -221,7 +221,7 @@ fn the_direct_strategy_accepts_no_plan_that_breaks_one() {
 }
 
 #[test]
-fn without_the_rule_the_same_reply_is_accepted() {
+fn direct_strategy_accepts_the_same_reply_without_the_rule() {
     for scene in scenes() {
         let settings = Settings {
             strategy: Strategy::Direct,
@@ -237,7 +237,7 @@ fn without_the_rule_the_same_reply_is_accepted() {
 }
 
 #[test]
-fn verification_refuses_and_repair_mends_or_refuses() {
+fn verify_refuses_and_repair_corrects_prohibited_steps() {
     let mut mended = 0;
     for scene in scenes() {
         for claim in [true, false] {
@@ -271,7 +271,7 @@ fn verification_refuses_and_repair_mends_or_refuses() {
 }
 
 #[test]
-fn a_composition_does_not_smuggle_one_in() {
+fn composition_cannot_break_a_prohibition() {
     for scene in scenes() {
         let stored = [Stored::new("habit", scene.draft())];
         let written = script::read("habit()").unwrap();
@@ -294,7 +294,7 @@ fn a_composition_does_not_smuggle_one_in() {
 
 #[test]
 #[ignore = "needs LONGSTEP_PROHIBITIONS_MODEL, the reference of a model"]
-fn a_real_model_breaks_none() {
+fn real_model_breaks_no_prohibition() {
     let name = std::env::var("LONGSTEP_PROHIBITIONS_MODEL").expect("LONGSTEP_PROHIBITIONS_MODEL names a model");
     let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
     let options = OpenOptions::new(cache_directory().unwrap());
