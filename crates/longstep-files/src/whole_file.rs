@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_appended_to_is_private_when_new() {
+    fn append_creates_private_files_and_keeps_existing_modes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("recording");
         append(&path).unwrap().write_all(b"one").unwrap();
