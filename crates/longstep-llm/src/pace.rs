@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_estimate_needs_a_speed() {
+    fn pace_estimate_needs_a_measured_speed() {
         let forecast = Forecast {
             prompt: 5000,
             usual_answer: 700,
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_file_is_no_speed() {
+    fn pace_load_ignores_a_damaged_file() {
         let folder = tempfile::tempdir().unwrap();
         for text in ["", "{", "{\"m\": 3}", "{\"m\": {\"read\": \"x\"}}"] {
             std::fs::write(folder.path().join(FILE), text).unwrap();

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limit_is_a_word_or_a_number() {
+    fn reasoning_parses_from_a_word_or_a_token_limit() {
         for (text, expected) in [
             ("off", Some(Reasoning::Off)),
             ("high", Some(Reasoning::High)),

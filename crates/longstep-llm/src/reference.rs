@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_no_model_is_told_with_what_would() {
+    fn model_reference_error_lists_the_accepted_forms() {
         for text in [
             "",
             "openai:",
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn a_misspelt_name_brings_the_right_one() {
+    fn model_reference_error_suggests_the_nearest_name() {
         let error = "qwen2.5-coder-1.5".parse::<ModelReference>().unwrap_err();
         assert_eq!(error.hint().as_deref(), Some("did you mean `qwen2.5-coder-1.5b`?"));
         let error = "smolm2".parse::<ModelReference>().unwrap_err();

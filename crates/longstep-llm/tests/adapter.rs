@@ -144,7 +144,7 @@ fn an_adapter_changes_how_goals_are_written_and_nothing_else() {
 
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
-fn what_is_no_adapter_for_the_model_is_an_error() {
+fn load_rejects_adapters_that_do_not_fit_the_model() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("adapter.gguf");
     let refused = |content: &dyn Fn(&Path)| {

@@ -148,7 +148,7 @@ fn a_schema_and_no_constraint_at_all_are_served() {
 
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
-fn an_answer_is_gone_on_with_in_its_own_tokens() {
+fn chat_continues_a_partial_answer_in_its_own_tokens() {
     let cache = tempfile::tempdir().unwrap();
     let mut model = load(cache.path());
     let mut first = colours("What colours have a lemon tree and the sea?");
@@ -226,7 +226,7 @@ fn the_last_three_conversations_stay_in_memory() {
 /// A scene stays computed for another instruction, and no instruction reaches the disk.
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
-fn what_stands_before_the_last_line_is_computed_once() {
+fn embedded_model_reuses_the_cached_scene_for_another_instruction() {
     let cache = tempfile::tempdir().unwrap();
     let scene = "The sea is grey today.\nThe sky is white.\nThe grass is brown.\n";
     let mut model = load(cache.path());
@@ -331,7 +331,7 @@ fn control_tokens_that_people_type_are_text() {
 
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
-fn what_does_not_fit_is_refused_before_it_is_read() {
+fn chat_rejects_a_prompt_above_the_context_limit_before_decoding() {
     let cache = tempfile::tempdir().unwrap();
     let mut model = load_with(&model_path(), cache.path(), 512).unwrap();
     let mut long = colours(&"sea ".repeat(600));

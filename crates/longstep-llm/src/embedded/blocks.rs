@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn only_blocks_of_the_same_cut_are_taken() {
+    fn reusable_blocks_end_at_the_same_boundaries() {
         let planned = Blocks::of(600, 530, 580);
         let whole = ends(600, 530, 580);
         for (ours, known, expected) in [

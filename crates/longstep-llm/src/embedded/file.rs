@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_model_is_said_plainly() {
+    fn check_rejects_files_that_are_not_gguf_models() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.gguf");
         assert!(check(&path).unwrap_err().to_string().contains("x.gguf"));

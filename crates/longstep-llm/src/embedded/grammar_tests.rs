@@ -221,13 +221,13 @@ fn check_random(cases: u32, grammars: &Grammars, tokens: &dyn Fn(&str) -> Vec<To
 }
 
 #[test]
-fn every_offer_can_be_written() {
+fn grammar_accepts_every_offered_answer() {
     let cases = std::env::var("LONGSTEP_GRAMMAR_CASES").map_or(40, |cases| cases.parse().unwrap());
     check_random(cases, &bytes(), &byte_tokens);
 }
 
 #[test]
-fn a_question_has_no_words() {
+fn grammar_accepts_questions_only_without_words() {
     let domain = domain_with(&[]);
     let world = Planner::new(domain.clone()).world(&environment(&[0, 1, 5], 1)).unwrap();
     let grammars = bytes();
@@ -243,7 +243,7 @@ fn a_question_has_no_words() {
 }
 
 #[test]
-fn strings_side_by_side_hide_each_other() {
+fn grammar_engine_needs_one_terminal_for_alternatives() {
     // The reason why an answer is one terminal. With an engine that does not need it, this test fails.
     let accepted = |grammar: &str| {
         let matcher = bytes().matcher(&Constraint::Lark(grammar.to_owned())).unwrap().unwrap();

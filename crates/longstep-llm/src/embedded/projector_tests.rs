@@ -165,7 +165,7 @@ fn shapes_of_the_tensors_have_to_fit() {
 }
 
 #[test]
-fn only_a_whole_file_has_a_header() {
+fn gguf_header_is_read_only_from_complete_files() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.gguf");
     let mut whole = b"GGUF".to_vec();

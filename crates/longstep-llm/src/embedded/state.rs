@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_whole_state_of_the_same_prefix_is_good() {
+    fn state_file_check_rejects_damaged_or_foreign_states() {
         let folder = tempfile::tempdir().unwrap();
         let content: Vec<u8> = (0..3_000_000_u32).map(|number| number.to_le_bytes()[1]).collect();
         let file = sealed(folder.path(), &content);
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_that_matters_is_in_the_key() {
+    fn state_key_depends_on_model_context_and_tokens() {
         let states = |identity: &str, size| States::new("s".into(), identity.into(), size);
         let tokens = [LlamaToken(1), LlamaToken(2)];
         let key = states("a", 512).file(&tokens).key;

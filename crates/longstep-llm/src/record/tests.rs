@@ -74,7 +74,7 @@ fn replay(path: &Path) -> Result<Box<dyn ChatModel>, ModelError> {
 fn quiet(_: Progress) {}
 
 #[test]
-fn what_was_recorded_is_answered_again() {
+fn replay_returns_the_recorded_replies_and_token_counts() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("talk.jsonl");
     // Twice, because an existing recording is continued.
@@ -123,7 +123,7 @@ fn what_was_recorded_is_answered_again() {
 }
 
 #[test]
-fn what_differs_is_told() {
+fn replay_error_names_the_first_difference_from_the_recording() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("talk.jsonl");
     let mut model = Recording::new(Box::new(Numbering(0)), &path).unwrap();
@@ -217,7 +217,7 @@ fn pictures_are_compared_by_their_content() {
 }
 
 #[test]
-fn what_is_no_recording_is_refused() {
+fn replay_rejects_a_file_that_is_not_a_recording() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("talk.jsonl");
     assert!(matches!(replay(&path), Err(ModelError::File { .. })));

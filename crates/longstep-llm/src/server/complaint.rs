@@ -224,7 +224,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_are_named_in_some_places_alone() {
+    fn complaint_names_parameters_only_in_known_places() {
         for (body, named) in [
             (
                 r#"{"error": {"message": "No.", "param": "response_format"}}"#,

@@ -390,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_set_is_named() {
+    fn endpoint_error_names_the_missing_environment_variable() {
         for (reference, variable) in [
             ("openai:m", "OPENAI_API_KEY"),
             ("azure:d", "AZURE_OPENAI_ENDPOINT"),

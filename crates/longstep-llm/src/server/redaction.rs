@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_is_no_key_in_a_reply() {
+    fn redaction_of_replies_keeps_common_words() {
         let redaction = Redaction::of(["none"]);
         assert_eq!(redaction.of_reply(r#"{"question": "none"}"#), r#"{"question": "none"}"#);
         assert_eq!(redaction.of_message("key none"), "key [key]");

@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn providers_have_headers_of_their_own() {
+    fn retry_wait_is_read_from_provider_headers() {
         for (name, value, status, milliseconds) in [
             ("retry-after-ms", "900", 429, Some(900)),
             ("x-ratelimit-reset-requests", "6m0s", 429, Some(360_000)),
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_says_how_long() {
+    fn retry_wait_is_read_from_the_response_body() {
         for (body, milliseconds) in [
             (r#"{"details": [{"retryDelay": "3.016342224s"}]}"#, Some(3016)),
             ("Rate limit reached. Please try again in 2.77s. Visit", Some(2770)),
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn a_server_says_how_long_in_seconds_or_by_a_date() {
+    fn retry_after_accepts_seconds_and_dates() {
         let read = |text: &str| retry_after(&HeaderValue::from_str(text).unwrap());
         assert_eq!(read("3"), Some(Duration::from_secs(3)));
         assert_eq!(read(" 0.5 "), Some(Duration::from_millis(500)));
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn pauses_double_and_have_an_end() {
+    fn retry_pauses_double_up_to_a_limit() {
         let rejected = |status, wait| Failure::Rejected {
             status,
             message: String::new(),

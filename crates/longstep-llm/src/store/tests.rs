@@ -150,7 +150,7 @@ fn the_hub_gives_the_file_and_the_cache_has_it_afterwards() {
 }
 
 #[test]
-fn a_cut_connection_is_gone_on_with() {
+fn pull_resumes_after_a_cut_connection() {
     let place = Place::new();
     let whole = content();
     let server = TestServer::new(vec![
@@ -178,7 +178,7 @@ fn a_cut_connection_is_gone_on_with() {
 }
 
 #[test]
-fn a_part_of_an_earlier_run_is_gone_on_with_or_dropped() {
+fn pull_resumes_or_discards_a_partial_file() {
     let whole = content();
     let begun = |part: &[u8]| {
         let place = Place::new();
@@ -324,7 +324,7 @@ fn wheels_of_another_content_are_refused() {
 }
 
 #[test]
-fn a_machine_without_python_is_told_so() {
+fn pull_error_reports_a_missing_python() {
     let place = Place::new();
     let mut options = place.options("http://127.0.0.1:9");
     options.python = "longstep-no-such-python".into();
@@ -392,7 +392,7 @@ fn a_file_that_changes_in_the_cache_is_noticed() {
 }
 
 #[test]
-fn of_two_pulls_one_waits() {
+fn second_pull_waits_for_the_lock_of_the_first() {
     let place = Place::new();
     fs::create_dir_all(place.cache.path().join("models")).unwrap();
     let held = lock(

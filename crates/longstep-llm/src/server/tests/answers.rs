@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn the_ways_to_end_are_told_apart() {
+fn chat_distinguishes_the_finish_reasons_of_replies() {
     let refusal = |words: &str| delta(&json!({"refusal": words}), None);
     for (events, text, finish) in [
         (vec![says("{\"go"), ends("length")], "{\"go", Finish::Length),
@@ -28,7 +28,7 @@ fn the_ways_to_end_are_told_apart() {
 }
 
 #[test]
-fn an_answer_that_is_no_answer_is_an_error() {
+fn chat_rejects_responses_without_a_complete_answer() {
     let events = sse(&[says("{\"goal\""), ends("stop")]);
     let unmarked = events.strip_suffix("data: [DONE]\n\n").unwrap();
     let early = "it ended early";
@@ -79,7 +79,7 @@ fn an_answer_that_is_no_answer_is_an_error() {
 
 /// Replies as servers really send them, each with the answer that is meant.
 #[test]
-fn an_answer_is_found_where_a_server_has_put_it() {
+fn chat_finds_the_answer_in_each_place_servers_use() {
     let object = r#"{"question":"","goals":["put(juice, shelf top)"]}"#;
     let part = |delta: Value| json!({"choices": [{"delta": delta, "finish_reason": null}]}).to_string();
     let end = || json!({"choices": [{"delta": {}, "finish_reason": "stop"}]}).to_string();
@@ -119,7 +119,7 @@ fn an_answer_is_found_where_a_server_has_put_it() {
 }
 
 #[test]
-fn an_ignored_schema_is_told_once() {
+fn chat_warns_once_about_an_ignored_schema() {
     let mut request = request();
     request.constraint = Constraint::JsonSchema(json!({"type": "object", "required": ["goals", "question"]}));
     for (text, heeded) in [

@@ -27,7 +27,7 @@ fn paths(server: &TestServer) -> Vec<String> {
 }
 
 #[test]
-fn the_size_of_the_context_is_asked_for() {
+fn ollama_request_asks_for_the_context_size() {
     let loaded = json!({"models": [{"name": "m:latest", "context_length": 4096}]});
     let trained = json!({"model_info": {"qwen2.context_length": 32768}});
     for (before, given, expected) in [
@@ -85,7 +85,7 @@ fn a_server_without_ollamas_own_api_is_asked_by_that_of_openai() {
 }
 
 #[test]
-fn an_answer_that_breaks_off_is_no_answer() {
+fn ollama_chat_rejects_a_truncated_answer() {
     let options = OpenOptions {
         context_tokens: Some(4096),
         ..options()

@@ -73,7 +73,7 @@ fn limits_and_temperatures_are_asked_for_as_the_server_likes() {
 
 /// Complaints about the request, after which a smaller one has the answer.
 #[test]
-fn what_a_server_does_not_support_is_left_out() {
+fn chat_retries_without_features_that_the_server_rejects() {
     for (status, complaint, changed) in [
         (
             "400 Bad Request",

@@ -474,7 +474,7 @@ fn rejections() -> Vec<Quirk> {
 }
 
 #[test]
-fn a_server_as_it_is_gives_the_answer_or_the_true_reason() {
+fn chat_answers_or_explains_each_known_server_quirk() {
     let groups = [
         endings(),
         pieces(),

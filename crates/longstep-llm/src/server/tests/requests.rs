@@ -37,7 +37,7 @@ fn a_request_is_in_openais_words_and_the_answer_is_read() {
 }
 
 #[test]
-fn what_a_server_cannot_do_is_said_before_it_is_asked() {
+fn chat_rejects_unsupported_options_before_sending_a_request() {
     let server = TestServer::new(vec![]);
     let mut model = model(&server, Kind::OpenAi);
     let mut begun = request();
@@ -55,7 +55,7 @@ fn what_a_server_cannot_do_is_said_before_it_is_asked() {
 }
 
 #[test]
-fn a_name_is_sent_as_it_is() {
+fn request_sends_the_model_name_unchanged() {
     for name in ["o3-mini-high", "vendor::model", "a/b#c"] {
         let server = TestServer::new(vec![success()]);
         let endpoint = Endpoint::new(Kind::Other, &format!("{}/v1", server.url), name, None);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::*;
 
 #[test]
-fn what_is_written_is_told_as_it_comes() {
+fn chat_reports_progress_while_the_answer_streams() {
     let server = TestServer::new(vec![success()]);
     let mut reports = Vec::new();
     let reply = model(&server, Kind::OpenAi).chat(&request(), &mut |progress: Progress| reports.push(progress));
@@ -52,7 +52,7 @@ const HALF: &[u8] = b"HTTP/1.1 200 OK\r\ncontent-type: text/event-stream\r\n\r\n
     data: {\"choices\": [{\"delta\": {\"content\": \"{\"}}]}\n\n";
 
 #[test]
-fn a_call_that_is_not_wanted_any_more_ends() {
+fn chat_ends_when_the_caller_stops_it() {
     let busy = answer("503 Service Unavailable", &["retry-after: 30"], b"");
     for server in [stuck(b""), stuck(HALF), TestServer::new(vec![busy])] {
         let mut watch = Impatient(Instant::now());
