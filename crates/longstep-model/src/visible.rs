@@ -130,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_that_hides_nothing_stays_as_it_is() {
+    fn text_without_hidden_characters_is_unchanged() {
         for text in [
             "",
             "put(milk, shelf top)",
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_hidden_is_shown_as_an_escape() {
+    fn line_shows_hidden_characters_as_escapes() {
         for (text, shown) in [
             ("\u{1b}[31mred", r"\u{1b}[31mred"),
             ("a\rb\tc\nd\u{8}e\u{7}f", r"a\rb\tc\nd\u{8}e\u{7}f"),
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn json_keeps_its_value() {
+    fn json_escapes_of_hidden_characters_keep_the_value() {
         let text: String = (0..=0x3000_u32)
             .chain(0xe000..=0xffff)
             .chain(0xe_0000..=0xe_0100)

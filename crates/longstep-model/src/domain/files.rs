@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_nothing_reads_are_told_with_what_was_meant() {
+    fn prompt_file_names_are_checked_with_suggestions() {
         check("role.md", "known");
         check("goal.md", "known");
         check("Role.md", "did you mean `role.md`?");
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn an_overlay_replaces_all_or_nothing() {
+    fn overlay_replaces_all_prompt_files_or_none() {
         let text = |name: &str| (name.to_owned(), format!("the new {name}"));
         let mut files = Files {
             folder: "domains/x/".to_owned(),

@@ -477,7 +477,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_listed_is_described_fully_and_what_is_not_stays() {
+    fn observation_replaces_facts_of_listed_entities_only() {
         let world = world();
         let everything: Vec<EntityId> = world.entities().map(|(id, _)| id).collect();
         for (seen, expected) in [
@@ -527,7 +527,7 @@ mod tests {
     }
 
     #[test]
-    fn an_observed_place_takes_a_thing_out_of_the_hand() {
+    fn observation_of_one_held_object_releases_the_other() {
         let world = world();
         let cup = world.find("<cup>").unwrap();
         let held = fact_of(&world, cup, "inside_hand()").unwrap();
@@ -539,7 +539,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fell_is_not_lifted_any_more() {
+    fn observation_of_a_fallen_object_ends_the_lifted_state() {
         let world = world();
         let cup = world.find("<cup>").unwrap();
         let reported = reported(&world);
@@ -571,7 +571,7 @@ mod tests {
     }
 
     #[test]
-    fn statements_that_mean_nothing_are_errors() {
+    fn observation_rejects_unknown_states_and_facts() {
         let world = world();
         for text in [
             r#"{"states": {"<cup>": "flying()"}}"#,

@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_knows_what_concerns_it_and_no_more() {
+    fn subworld_contains_only_facts_about_its_entities() {
         check(
             &["<rope_2>", "<loft>", "<loft_handle>"],
             r#"{"assets":["<loft>"],"asset_states":{},"objects":["<rope_2>","<loft_handle>"],"object_states":{"<rope_2>":["inside_something(<loft>)"],"<loft_handle>":"closed()"},"object_properties":{"<loft_handle>":"SLIDES"},"names":{}}"#,

@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fewest_facts_distinguish() {
+    fn distinction_uses_the_fewest_facts() {
         check(
             r#"{"<cup_1>": "on_something(<table>)", "<cup_2>": "on_something(<shelf>)", "<cup_3>": "inside_hand()"}"#,
             &["cup 1 (on the table)", "cup 2 (on the shelf)", "cup 3 (in the hand)"],

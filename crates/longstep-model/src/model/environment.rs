@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn wrapped_and_bare_are_the_same() {
+    fn wrapped_environment_equals_bare_environment() {
         let bare = Environment::from_json(r#"{"assets": ["<a>"], "names": {"<a>": "shelf"}}"#).unwrap();
         let wrapped =
             Environment::from_json(r#"{"environment": {"assets": ["<a>"], "names": {"<a>": "shelf"}}}"#).unwrap();

@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_label_is_no_head_noun() {
+    fn head_noun_excludes_a_trailing_label() {
         for (name, noun) in [
             ("tube A", "tube"),
             ("pallet 2", "pallet"),

@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_that_are_not_kept_are_rounded() {
+    fn parse_rounded_rounds_extra_decimal_places() {
         for (text, expected) in [
             ("2.5", Some("2.5")),
             ("0.3333333333", Some("0.333333")),

@@ -360,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_alone_is_read_whole() {
+    fn value_accepts_only_the_whole_text() {
         let domain = domain();
         let written = |text: &str| {
             domain

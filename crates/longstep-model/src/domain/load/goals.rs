@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn words_that_can_never_match_are_refused() {
+    fn domain_load_rejects_goal_words_that_never_match() {
         check(
             r#"bin = ["throw""#,
             r#"bin = ["throw away""#,

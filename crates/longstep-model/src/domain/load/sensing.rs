@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn sensing_that_makes_no_sense_is_refused() {
+    fn domain_load_rejects_invalid_sensing_outcomes() {
         let senses = r#"senses = ["(fresh ?item)", "(expired ?item)"]"#;
         check(senses, r#"senses = ["(fresh ?item)"]"#, "at least two outcomes");
         check(
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_past_of_a_fact_is_an_event_about_the_same_things() {
+    fn past_of_a_fact_has_to_be_an_event_about_its_objects() {
         let past = r#"past = "was-dirty""#;
         check(past, r#"past = "was-durty""#, "did you mean `was-dirty`?");
         check(past, r#"past = "clean""#, "names an event about the same things");

@@ -46,7 +46,7 @@ fn variables_of_an_effect_come_before_those_of_the_condition_around_it() {
 }
 
 #[test]
-fn every_mistake_is_told_at_once() {
+fn domain_reader_reports_all_mistakes_at_once() {
     check(
         "(define (domain d) (:types cup)\n (:predicates (full ?c - cup))\n (:action fill :parameters (?c - cop)\n  :precondition (ful ?c)\n  :effect (full ?d)))",
         &[
@@ -58,7 +58,7 @@ fn every_mistake_is_told_at_once() {
 }
 
 #[test]
-fn either_is_the_parent_of_its_types() {
+fn domain_reader_resolves_either_to_the_parent_type() {
     let text = |parameter: &str| {
         format!(
             "(define (domain d) (:types person plane - mover van - object) (:predicates (at ?x - (either person van)))
@@ -82,7 +82,7 @@ fn either_is_the_parent_of_its_types() {
 }
 
 #[test]
-fn what_is_not_understood_is_refused() {
+fn domain_reader_rejects_unsupported_sections_and_requirements() {
     check(
         "(define (domain d) (:requirements :durative-actions) (:axiom (cost)))",
         &[

@@ -183,7 +183,7 @@ fn relations_follow_from_poses() {
 }
 
 #[test]
-fn every_statement_has_a_reason_with_its_measures() {
+fn look_gives_measured_reasons_for_each_statement() {
     let look = look_at(&format!(
         r#"{{"boxes": [{TABLE},
             {{"name": "<basket>", "position": [0, 0, 0.9], "size": [0.3, 0.3, 0.2]}},
@@ -203,7 +203,7 @@ fn every_statement_has_a_reason_with_its_measures() {
 }
 
 #[test]
-fn boxes_that_fit_no_world_are_findings() {
+fn look_reports_boxes_that_fit_no_world() {
     use SceneFindingKind::{Cut, Floating, TwoContainers, TwoSupports};
     for (boxes, expected) in [
         (
@@ -258,7 +258,7 @@ fn boxes_that_fit_no_world_are_findings() {
 }
 
 #[test]
-fn what_a_domain_has_no_word_for_is_listed() {
+fn look_lists_spatial_relations_without_a_predicate() {
     let virtualhome = domain::shipped("virtualhome").unwrap().unwrap();
     let text = format!(
         r#"{{"boxes": [{TABLE}, {{"name": "<stool>", "position": [0.83, 0, 0.2], "size": [0.4, 0.4, 0.4]}}]}}"#
@@ -273,7 +273,7 @@ fn what_a_domain_has_no_word_for_is_listed() {
 }
 
 #[test]
-fn a_circle_of_parts_ends() {
+fn look_terminates_on_circular_part_relations() {
     let part = |name: &str, whole: &str| Body {
         part_of: Some(whole.to_owned()),
         ..body(name, [0.0, 0.0, 0.5], [1.0, 1.0, 1.0])

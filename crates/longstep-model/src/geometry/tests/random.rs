@@ -261,7 +261,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
     #[test]
-    fn a_random_environment_is_found_again_in_its_boxes(seed in any::<u64>()) {
+    fn look_recovers_a_random_environment_from_boxes(seed in any::<u64>()) {
         let domain = household();
         let made = Made::new(seed);
         let found = look(&domain, &made.scene).unwrap();
@@ -275,7 +275,7 @@ proptest! {
     }
 
     #[test]
-    fn no_numbers_make_it_panic(parts in prop::collection::vec((any::<[f64; 3]>(), any::<[f64; 3]>(), any::<[f64; 4]>()), 1..12)) {
+    fn look_never_panics_on_random_boxes(parts in prop::collection::vec((any::<[f64; 3]>(), any::<[f64; 3]>(), any::<[f64; 4]>()), 1..12)) {
         let boxes: Vec<serde_json::Value> = parts.iter().enumerate().map(|(index, (position, size, orientation))| {
             let size = size.map(|edge| if edge.is_finite() { edge.abs().clamp(1e-6, 1e5) } else { 1.0 });
             let position = position.map(|own| if own.is_finite() { own.clamp(-1e5, 1e5) } else { 0.0 });

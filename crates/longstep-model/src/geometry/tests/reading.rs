@@ -132,7 +132,7 @@ fn boxes_of_one_class_are_numbered() {
 
 /// A cup on a table as exports of other programs write it.
 #[test]
-fn boxes_are_read_by_the_names_of_others() {
+fn scene_reader_accepts_field_names_of_other_tools() {
     let table = r#"{"name": "dining table", "position": [0, 0, 0.4], "size": [1.2, 0.8, 0.8]}"#;
     for cup in [
         r#"{"name": "coffee cup", "bbox": {"center": {"x": 0.1, "y": 0, "z": 0.85}, "size": {"x": 0.1, "y": 0.2, "z": 0.1}}}"#,
@@ -182,7 +182,7 @@ fn boxes_are_read_by_the_names_of_others() {
 }
 
 #[test]
-fn boxes_of_a_picture_say_what_they_lack() {
+fn scene_error_explains_boxes_in_pixel_coordinates() {
     for text in [
         r#"[{"name": "cup", "class": 41, "confidence": 0.9, "box": {"x1": 1, "y1": 2, "x2": 3, "y2": 4}}]"#,
         r#"{"boxes": [{"name": "cup", "bbox": [10, 20, 30, 40], "score": 0.5}]}"#,
