@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn this_computer_has_one_name() {
+    fn lock_uses_one_name_for_the_local_computer() {
         for host in [
             "localhost",
             "LOCALHOST.",

@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn states_are_read_whatever_the_name_of_the_program_is() {
+    fn process_state_is_read_for_any_program_name() {
         let line = "42 (a) b (c)) S 7 40 40 0 -1 4194560 1 0 0 0 0 0 0 0 20 0 1 0 12345 0 0";
         let expected = State {
             has_ended: false,

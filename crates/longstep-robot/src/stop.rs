@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_request_before_its_robot_stops_the_robot_too() {
+    fn stop_request_before_attach_still_stops_the_robot() {
         for early in [true, false] {
             let pressed = Arc::new(AtomicBool::new(false));
             let seen = Arc::clone(&pressed);

@@ -24,7 +24,7 @@ fn every_run_ends_in_the_goal_or_with_a_proven_reason() {
 }
 
 #[test]
-fn lanes_of_any_speed_end_as_promised() {
+fn lanes_of_any_speed_reach_the_predicted_end() {
     for (seed, case) in lanes(8).iter().enumerate() {
         let run = in_lanes(case, seed as u64, 0);
         assert!(run.stop.is_none() && run.as_promised, "{}", case.name);

@@ -348,7 +348,7 @@ fn a_plan_without_one_of_its_steps_fails_physically() {
 
 #[test]
 #[ignore = "needs LONGSTEP_MUJOCO, the Python that scripts/robots/mujoco.sh prints"]
-fn a_slip_is_measured_and_can_be_mended() {
+fn mujoco_slip_is_measured_and_can_be_repaired() {
     let world = world_of("household", "shelf");
     let mut robot = robot_in(&world, &["--slip", "4"]);
     let plan = planned(&world, "put(juice, shelf top)");

@@ -67,7 +67,7 @@ fn check_failure(fault: &str, expected: &str) {
 }
 
 #[test]
-fn a_robot_that_ends_is_gone() {
+fn exit_of_the_robot_process_is_reported() {
     check_failure(
         "dies",
         "the robot is gone: its program ended with exit code 3; its last messages:\nthe gripper is on fire",
@@ -233,7 +233,7 @@ fn a_stop_that_is_not_confirmed_ends_the_program() {
 }
 
 #[test]
-fn a_switch_stops_while_another_thread_waits() {
+fn stop_switch_works_while_another_thread_waits() {
     let folder = tempfile::tempdir().unwrap();
     let (robot, log) = faulty("stop while it observes", &folder);
     let mut robot = robot.unwrap();

@@ -439,7 +439,7 @@ fn results_that_end_the_run_leave_nothing_to_cancel() {
 }
 
 #[test]
-fn what_is_missing_is_found_before_anything_is_sent() {
+fn connect_reports_missing_servers_before_sending_a_goal() {
     let refused = |message: &Value| {
         vec![Deed::Send(
             json!({"op": "service_response", "id": message["id"], "result": false, "values": "no such service"}),
@@ -759,7 +759,7 @@ fn blocked_bridge(returns: bool, end: impl Fn(&Value) -> Deed + Send + Sync + 's
 }
 
 #[test]
-fn a_bridge_that_keeps_heartbeats_back_says_nothing_about_the_world() {
+fn failed_steps_are_uncertain_if_the_bridge_withholds_heartbeats() {
     let aborted = |goal: &Value| ended(goal, 6, json!({"message": "no heartbeat"}));
     let blocked = "the bridge passes nothing on while a goal is under way: step 1 ended without success, and ";
     for (returns, bridge, expected) in [

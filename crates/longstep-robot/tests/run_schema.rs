@@ -135,7 +135,7 @@ fn the_schema_describes_the_logs_of_real_runs() {
 }
 
 #[test]
-fn what_no_run_writes_does_not_fit() {
+fn run_schema_rejects_lines_that_no_run_writes() {
     let schema = Schema::new();
     for line in [
         r#"{"event": "approved"}"#,

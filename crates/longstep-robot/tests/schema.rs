@@ -92,7 +92,7 @@ fn example(folder: &Path) -> (Process, PathBuf) {
 }
 
 #[test]
-fn the_example_of_the_page_is_a_robot() {
+fn example_robot_of_the_guide_obeys_the_protocol() {
     let folder = tempfile::tempdir().unwrap();
     let (mut robot, log) = example(folder.path());
     let description = robot.describe().clone();

@@ -128,7 +128,7 @@ fn plans_are_carried_out_with_a_picture_of_each_step() {
 
 #[test]
 #[ignore = "needs LONGSTEP_VIRTUALHOME, the Python that scripts/robots/virtualhome.sh prints"]
-fn what_the_simulator_refuses_is_a_failed_step() {
+fn virtualhome_reports_a_refused_action_as_a_failed_step() {
     let (file, world) = flat();
     let server = server(&file);
     let mut robot = VirtualHome::open(world.clone(), &options(&server)).unwrap();

@@ -362,7 +362,7 @@ fn a_missing_picture_does_not_fail_a_step() {
 }
 
 #[test]
-fn a_program_is_tried_twice_a_line_and_up_to_the_first_failure() {
+fn try_program_stops_at_a_line_that_fails_twice() {
     use longstep_robot::virtualhome::{Line, Trial};
     let server = only("render_script", || {
         body(&json!({ "success": false, "message": "too far" }))
@@ -391,7 +391,7 @@ fn a_program_is_tried_twice_a_line_and_up_to_the_first_failure() {
 }
 
 #[test]
-fn a_simulator_has_one_lock_whatever_it_is_called() {
+fn virtualhome_lock_is_independent_of_the_address_form() {
     let drives = |url: &str| VirtualHomeOptions::new(url).drives();
     let expected = ["virtualhome localhost:8080".to_owned()];
     for url in [

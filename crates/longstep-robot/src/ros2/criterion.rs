@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn messages_are_tested() {
+    fn criterion_compares_fields_of_a_message() {
         let message = json!({"success": true, "width": 0.04, "count": 1, "name": "cup", "deep": {"x": [5]}});
         for (criterion, expected) in [
             (json!({}), true),

@@ -453,7 +453,7 @@ states = "words"
     }
 
     #[test]
-    fn a_good_file_is_read() {
+    fn ros2_configuration_reads_a_valid_file() {
         let read = Configuration::parse("robot.toml", GOOD).unwrap();
         assert_eq!(
             (read.interval, read.limits.accept),
@@ -464,7 +464,7 @@ states = "words"
     }
 
     #[test]
-    fn mistakes_have_places() {
+    fn ros2_configuration_errors_name_their_position() {
         check("", "", "");
         check(
             "ws://127.0.0.1:9090",

@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn over_a_new_connection_servers_say_that_nothing_is_under_way() {
+    fn stopping_after_a_reconnect_relies_on_server_status() {
         let mut stopping = stopping(false, false);
         assert_eq!(operations(&stopping.messages(None)).len(), 4);
         let (asked, later) = (Instant::now(), Instant::now() + LISTING);
@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn the_service_has_to_confirm() {
+    fn stop_service_has_to_confirm_the_stop() {
         let mut stopping = stopping(true, true);
         stopping.goals.clear();
         let service = Service {

@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn holes_are_filled() {
+    fn message_template_fills_its_placeholders() {
         let table = Table::from([("<cup>".to_owned(), json!({"x": 1.5}))]);
         let words = Words(
             json!({"item": "<cup>", "step": 3, "list": ["a", 2], "deep": {"x": [7]}}),
