@@ -24,7 +24,7 @@ fn plan(world: &World, text: &str) -> VerifiedPlan {
 }
 
 #[test]
-fn the_next_world_is_the_one_that_the_environment_says_and_forgets_nothing() {
+fn next_world_equals_its_written_environment_and_keeps_facts() {
     let household = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<desk>", "<chest>", "<fridge>"], "objects": ["<pen>", "<fridge_handle>"],
         "object_states": {"<pen>": "inside_something(<chest>)", "<fridge_handle>": "closed()"}}"#;
@@ -67,7 +67,7 @@ fn check_written(before: &str, changes: &[(&str, bool)], expected: &str) {
 }
 
 #[test]
-fn only_what_changed_is_written_anew() {
+fn environment_writer_changes_only_changed_statements() {
     let before = r#"{"assets":["<a>","<b>"],"asset_states":{},"objects":["<cup>","<pan>"],"object_states":{"<pan>":"on_something(<a>)","<cup>":"on_something(<a>)"}}"#;
     check_written(before, &[], before);
     check_written(

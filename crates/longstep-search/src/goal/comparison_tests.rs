@@ -37,7 +37,7 @@ fn read(text: &str) -> Result<World, Diagnostics> {
 }
 
 #[test]
-fn environments_state_numbers_and_what_has_no_subject() {
+fn environment_states_numbers_with_and_without_subject() {
     let world = read(&environment_text("80", "0")).unwrap();
     assert_eq!(world.state.numbers().len(), 18);
     assert_eq!(environment::write(&world, &world.state), *world.environment());

@@ -99,7 +99,7 @@ fn planned(world: &World, text: &str) -> String {
 }
 
 #[test]
-fn a_goal_is_given_up_only_if_no_state_has_both() {
+fn goal_is_given_up_only_if_no_state_satisfies_both() {
     let world = house();
     for (first, second, excludes) in [
         ("on(cup, tray)", "on(cup, desk)", true),
@@ -196,7 +196,7 @@ fn things_without_a_number_do_not_satisfy_a_comparison() {
 }
 
 #[test]
-fn what_is_untouched_keeps_its_numbers() {
+fn search_keeps_numeric_fluents_of_untouched_objects() {
     let world = house();
     for (text, expected) in [
         ("level(cup) >= 1 & untouched(mug)", "(fill cup)"),
@@ -230,7 +230,7 @@ fn what_is_untouched_keeps_its_numbers() {
 }
 
 #[test]
-fn a_type_comes_before_an_entity_that_is_called_so() {
+fn group_name_means_a_type_before_an_entity() {
     let world = trays();
     for (text, members) in [
         ("on(all item, tray)", vec!["cup", "item"]),

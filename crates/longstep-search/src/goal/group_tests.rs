@@ -197,7 +197,7 @@ fn a_group_that_stands_for_nothing_is_an_error() {
 }
 
 #[test]
-fn groups_are_sentences() {
+fn groups_are_described_as_sentences() {
     let world = kitchen();
     for (text, sentences, groups) in [
         (
@@ -250,7 +250,7 @@ fn length(world: &World, goal: &Goal) -> Option<usize> {
 }
 
 #[test]
-fn a_choice_takes_the_shortest_plan() {
+fn choice_is_planned_with_its_shortest_member() {
     let world = kitchen();
     for (text, same) in [
         ("put(any plate, shelf)", "put(plate 3, shelf)"),
@@ -288,7 +288,7 @@ fn a_choice_takes_the_shortest_plan() {
 }
 
 #[test]
-fn a_larger_world_has_more_members() {
+fn carried_goal_expands_groups_in_the_larger_world() {
     let world = kitchen();
     let kept = ["<plate_1>", "<sink>", "<table>"].map(|identifier| world.find(identifier).unwrap());
     let part = world.narrowed(&kept);
@@ -313,7 +313,7 @@ fn a_larger_world_has_more_members() {
 }
 
 #[test]
-fn what_a_choice_came_to_is_known() {
+fn choice_reports_the_member_that_the_plan_achieved() {
     let world = kitchen();
     for (text, expected) in [
         ("put(any plate, shelf)", "put(plate 3, shelf)"),
@@ -350,7 +350,7 @@ fn a_choice_is_exported_as_a_disjunction() {
 }
 
 #[test]
-fn a_constraint_may_end_with_a_goal() {
+fn until_ends_a_constraint_when_a_goal_is_achieved() {
     let world = kitchen();
     for (text, same) in [
         (

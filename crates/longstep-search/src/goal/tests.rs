@@ -126,7 +126,7 @@ fn constraints_bind_every_state_and_step() {
 }
 
 #[test]
-fn groups_have_plans() {
+fn search_finds_plans_for_goals_with_groups() {
     check_plans(&[
         ("clean(any place)", "(sweep hall)"),
         ("clean(2 of place)", "(sweep hall) (go hall dock) (sweep dock)"),

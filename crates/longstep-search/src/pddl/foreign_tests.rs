@@ -101,7 +101,7 @@ fn derived_predicates_have_bounds() {
 }
 
 #[test]
-fn unions_are_conditions_on_variables() {
+fn union_types_become_conditions_on_variables() {
     let domain = |types: &str| {
         format!(
             "(define (domain d) (:types cup lid stone - object) (:predicates (clean ?x - object) (all))
@@ -220,7 +220,7 @@ fn inexact_problems_are_read_with_a_note() {
 }
 
 #[test]
-fn what_is_not_read_has_a_hint() {
+fn reader_gives_a_hint_for_unsupported_or_misspelled_pddl() {
     for (replaced, by, expected) in [
         (
             "(at a)",
@@ -283,7 +283,7 @@ fn what_is_not_read_has_a_hint() {
 }
 
 #[test]
-fn numbers_and_durations_are_read_as_others_mean_them() {
+fn pddl_numbers_and_durations_have_their_standard_meaning() {
     let domain = "(define (domain d) (:types spot) (:predicates (at ?s - spot) (way ?a ?b - spot))
       (:functions (length ?a ?b - spot) (driven) (charge))
       (:durative-action drive :parameters (?a ?b - spot) :duration (= ?duration (length ?a ?b))

@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn words_have_their_places() {
+    fn plan_lines_give_the_position_of_each_word() {
         let lines = Lines::read("  0.1: (move  a b)\n move(a, c)", |word| word == "move");
         let places = lines.steps.iter().flat_map(|step| &step.words);
         let places: Vec<(u32, u32)> = places.map(|word| (word.position.line, word.position.column)).collect();
@@ -353,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_under_way_at_the_same_time_is_told() {
+    fn plan_lines_detect_steps_that_overlap_in_time() {
         let overlaps = |text: &str| Lines::read(text, |_| false).overlaps;
         assert!(overlaps("0: (move a b) [5]\n4.9: (rest) [1]"));
         assert!(!overlaps("0: (move a b) [5]\n5: (rest) [1]"));

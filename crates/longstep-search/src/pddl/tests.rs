@@ -109,7 +109,7 @@ fn mistakes_in_problems_are_told_with_their_place() {
 }
 
 #[test]
-fn what_planners_let_pass_is_still_told_to_our_own_authors() {
+fn domain_load_reports_type_errors_that_planners_accept() {
     let files = domain::Files {
         pddl: SHELVES.to_owned(),
         ..domain::Files::default()
@@ -138,7 +138,7 @@ fn mistakes_in_plans_are_told_with_their_place() {
 }
 
 #[test]
-fn what_was_assumed_about_a_plan_is_told() {
+fn plan_reader_notes_each_assumption_about_the_text() {
     let domain = shelves();
     let text = "(define (problem p) (:domain shelves) (:objects cup - thing low - place) (:init) (:goal (and)))";
     let world = read_problem(&domain, "p.pddl", text).unwrap().world;
@@ -266,7 +266,7 @@ fn problems_that_are_written_mean_the_same_when_read_back() {
 }
 
 #[test]
-fn a_rule_for_every_state_cannot_be_said() {
+fn problem_writer_rejects_rules_for_every_state() {
     let domain = domain::shipped("household").unwrap().unwrap().edited(|data| {
         let rule = data.rules.iter_mut().find(|rule| rule.name == "one-hand").unwrap();
         rule.time = longstep_model::domain::RuleTime::Always;

@@ -73,7 +73,7 @@ fn check(calls: &[&str], claimed: &[(&str, &str)], expected: &[&str]) {
 }
 
 #[test]
-fn good_plans_stay_as_they_are() {
+fn repair_leaves_valid_plans_unchanged() {
     check(&[], &[], &["valid"]);
     let calls = [
         "Walktowards(<desk_1>)",
@@ -85,7 +85,7 @@ fn good_plans_stay_as_they_are() {
 }
 
 #[test]
-fn what_is_left_out_is_inserted() {
+fn repair_inserts_steps_that_the_plan_lacks() {
     check(&["Grab(<pie_4>)"], &[], &["insert Walktowards(<pie_4>) before step 1"]);
     check(
         &["Walktowards(<oven_2>)", "Grab(<mug_5>)"],
@@ -104,7 +104,7 @@ fn what_is_left_out_is_inserted() {
 }
 
 #[test]
-fn the_wrong_verb_is_replaced() {
+fn repair_replaces_a_wrong_action() {
     let calls = [
         "Walktowards(<desk_1>)",
         "Grab(<pie_4>)",
@@ -118,7 +118,7 @@ fn the_wrong_verb_is_replaced() {
 }
 
 #[test]
-fn what_can_never_be_done_or_does_nothing_is_left_out() {
+fn repair_removes_impossible_steps_and_steps_without_effect() {
     check(
         &[
             "Walktowards(<desk_1>)",
@@ -142,7 +142,7 @@ fn what_can_never_be_done_or_does_nothing_is_left_out() {
 }
 
 #[test]
-fn nothing_is_guessed() {
+fn repair_reports_unclear_steps_instead_of_guessing() {
     // Without a claim, the purpose of these steps is unknown.
     check(
         &["Walktowards(<desk_1>)", "Juggle(<pie_4>)"],
@@ -163,7 +163,7 @@ fn nothing_is_guessed() {
 }
 
 #[test]
-fn what_comes_too_early_is_done_later() {
+fn repair_moves_a_step_that_comes_too_early() {
     check(
         &["Grab(<pie_4>)", "Walktowards(<desk_1>)"],
         &[],
@@ -172,7 +172,7 @@ fn what_comes_too_early_is_done_later() {
 }
 
 #[test]
-fn a_step_that_does_something_is_not_given_up() {
+fn repair_keeps_steps_that_have_an_effect() {
     // Drinking changes no state that an environment expresses.
     check(
         &["Walktowards(<desk_1>)", "Open(<desk_1>)", "Drink(<mug_5>)"],
@@ -188,7 +188,7 @@ fn a_step_that_does_something_is_not_given_up() {
 }
 
 #[test]
-fn every_edit_says_why() {
+fn repair_gives_a_reason_for_each_edit() {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let world = world_of(&domain, KITCHEN);
     let calls = [
@@ -451,7 +451,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
     #[test]
-    fn no_repair_is_cheaper(
+    fn repair_finds_the_cheapest_edits(
         actions in prop::collection::vec((literals(2), prop::collection::vec((0u8..5, any::<bool>()), 1..=2)), 2..=4),
         calls in prop::collection::vec((0usize..4, 0usize..2, 0usize..2), 1..=3),
         before in prop::collection::vec((0usize..2, 0u8..6), 0..4),
@@ -492,7 +492,7 @@ proptest! {
     }
 
     #[test]
-    fn what_search_plans_is_not_changed(
+    fn repair_does_not_change_plans_found_by_search(
         goal in prop::sample::select(vec!["put(milk, shelf)", "put(milk, fridge)", "opened(fridge)", "wiped(shelf, cup)",
             "put(milk, fridge) & closed(fridge)", "put(cup, fridge) & put(milk, shelf)"]),
         milk in prop::sample::select(vec!["on_something(<counter>)", "inside_something(<fridge>)"]),

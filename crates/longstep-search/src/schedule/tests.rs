@@ -54,7 +54,7 @@ fn check_time(goal: &str, expected: (usize, u64)) {
 }
 
 #[test]
-fn work_that_can_be_shared_is() {
+fn schedule_shares_independent_work_between_hands() {
     // One object is the work of one hand.
     check_time("put(mug, rack)", (6, 6));
     check_time("put(mug, rack) & put(towel, rack)", (12, 6));
@@ -94,7 +94,7 @@ fn lane(actor: usize, items: &str) -> Lane {
 }
 
 #[test]
-fn time_is_counted_along_the_longest_way() {
+fn makespan_follows_the_longest_path() {
     check_units(vec![step(0), Node::Remark("on".to_owned()), step(1)], "2 units");
     let branch = Node::If {
         condition: Test::Sense(StepId::new(0)),
@@ -179,7 +179,7 @@ fn outline(world: &World, plan: &Plan) -> String {
 }
 
 #[test]
-fn lanes_wait_where_they_must() {
+fn schedule_synchronizes_lanes_where_order_matters() {
     let open = [
         ("move_hand(right)", "to the locker handle"),
         ("grasp_object(right)", "grasp the locker handle"),
@@ -208,7 +208,7 @@ fn lanes_wait_where_they_must() {
 }
 
 #[test]
-fn what_takes_both_hands_parts_what_is_before_and_after() {
+fn schedule_does_not_parallelize_across_two_handed_steps() {
     check_lanes(
         &["<trunk>"],
         &[

@@ -26,7 +26,7 @@ fn lab(goal: &str, limits: &Limits) -> Outcome {
 }
 
 #[test]
-fn tubes_are_spun_capped_and_with_the_lid_closed() {
+fn search_plans_centrifuge_goals_within_a_step_limit() {
     for (goal, most) in [
         ("(spun a)", 9),
         ("(spun a) (in a rack) (not (lid-open centrifuge))", 15),

@@ -294,7 +294,7 @@ mod tests {
     use longstep_model::domain;
 
     #[test]
-    fn a_thing_that_an_action_chooses_is_something() {
+    fn why_not_describes_a_free_parameter_as_something() {
         let text = "(define (domain kitchen) (:requirements :strips)
             (:predicates (oven ?x) (metal ?x) (hot ?x) (clean ?x))
             (:action heat :parameters (?x ?oven) :precondition (and (metal ?x) (oven ?oven)) :effect (hot ?x)))";

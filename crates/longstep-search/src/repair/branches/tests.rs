@@ -57,7 +57,7 @@ fn check(text: &str, expected: &str, edits: &[&str]) {
 }
 
 #[test]
-fn each_side_is_mended_for_itself() {
+fn repair_corrects_each_branch_separately() {
     check(
         "
 move_hand()  # move the hand to the <cheese>
@@ -89,7 +89,7 @@ else:
 }
 
 #[test]
-fn what_comes_before_and_behind_a_branch_is_mended_once() {
+fn repair_changes_steps_outside_a_branch_only_once() {
     check(
         "
 move_hand()  # move the hand to the <cheese>
@@ -119,7 +119,7 @@ release_object()
 }
 
 #[test]
-fn what_is_asked_is_sensed_first() {
+fn repair_inserts_sensing_before_a_condition_that_needs_it() {
     check(
         "
 move_hand()  # move the hand to the <cheese>
@@ -151,7 +151,7 @@ release_object()
 }
 
 #[test]
-fn branches_that_double_are_given_up() {
+fn repair_gives_up_on_exponentially_many_branches() {
     let (_, world) = larder();
     // The date is never sensed, so the plan is invalid. Each branch doubles the following ones, and none has a step.
     let text = "if expired('<cheese>'):\n    pass\n".repeat(40);
@@ -164,7 +164,7 @@ fn branches_that_double_are_given_up() {
 }
 
 #[test]
-fn a_step_that_no_way_goes_through_keeps_its_arguments() {
+fn repair_keeps_all_arguments_of_unreachable_steps() {
     let (domain, world) = larder();
     let text = "# objects: [\"<cheese>\"]\nif check_best_by_date():\n    move_object()\nif check_best_by_date():\n    move_object()\n";
     let draft = resolve(&world, &TaskCohesion::from_written(script::read(text).unwrap()));
@@ -180,7 +180,7 @@ fn a_step_that_no_way_goes_through_keeps_its_arguments() {
 }
 
 #[test]
-fn pins_hold_on_every_way() {
+fn repair_keeps_pinned_steps_on_every_branch() {
     let (_, world) = larder();
     let text = "
 move_hand()  # move the hand to the <cheese>
@@ -238,7 +238,7 @@ else:
 }
 
 #[test]
-fn a_claim_that_no_ending_keeps_is_given_up_and_listed() {
+fn repair_lists_a_claim_that_no_ending_can_keep() {
     let (_, world) = larder();
     let text =
         "# objects: [\"<cheese>\"]\nif check_best_by_date():\n    move_hand()  # move the hand to the <cheese>\n";
@@ -300,7 +300,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
 
     #[test]
-    fn hidden_arguments_stay_in_their_places(text in scripts()) {
+    fn repair_keeps_hidden_arguments_in_parameter_order(text in scripts()) {
         let (domain, world) = larder();
         let draft = resolve(&world, &TaskCohesion::from_written(script::read(&text).unwrap()));
         let whole = |steps: &[Step]| -> Result<(), TestCaseError> {

@@ -177,7 +177,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_worst_case_is_the_best_there_is(text in scene(), parts in proptest::collection::vec(part(), 1..=2)) {
+    fn contingent_plan_has_an_optimal_worst_case(text in scene(), parts in proptest::collection::vec(part(), 1..=2)) {
         let domain = domain::shipped("household-checks").unwrap().unwrap();
         let environment = Environment::from_json(&text).unwrap();
         let world = environment::read(&domain, &environment, "", &text, &Path::default()).unwrap();

@@ -25,7 +25,7 @@ fn world() -> World {
 }
 
 #[test]
-fn two_things_can_be_filled_that_may_need_it() {
+fn search_solves_two_conditional_fill_goals() {
     let world = world();
     for text in [
         "if half_full(water bowl) then filled(water bowl, water jug)",

@@ -101,7 +101,7 @@ fn check(states: &str, text: &str, expected: &str) {
 }
 
 #[test]
-fn it_looks_before_it_decides() {
+fn search_senses_before_a_conditional_branch() {
     check(
         "",
         "if expired(spam) then put(spam, trash bin) else put(spam, shelf)",
@@ -123,7 +123,7 @@ fn it_looks_before_it_decides() {
 }
 
 #[test]
-fn of_three_outcomes_two_may_be_the_same_to_it() {
+fn search_merges_sensing_outcomes_with_the_same_plan() {
     check(
         "",
         "if empty(spam) then put(spam, trash bin) else put(spam, shelf)",
@@ -133,7 +133,7 @@ fn of_three_outcomes_two_may_be_the_same_to_it() {
 }
 
 #[test]
-fn what_is_known_is_not_looked_for() {
+fn search_does_not_sense_known_or_irrelevant_facts() {
     check(
         "<spam>:expired()",
         "if expired(spam) then put(spam, trash bin) else put(spam, shelf)",
@@ -149,7 +149,7 @@ fn what_is_known_is_not_looked_for() {
 }
 
 #[test]
-fn an_outcome_can_make_it_impossible() {
+fn search_reports_the_outcome_that_prevents_a_plan() {
     check(
         "",
         "expired(spam)",
@@ -164,7 +164,7 @@ fn an_outcome_can_make_it_impossible() {
 }
 
 #[test]
-fn what_has_to_become_so_is_looked_at_until_it_is() {
+fn search_senses_in_a_loop_until_the_effect_holds() {
     check(
         "",
         "clean(table)",
@@ -180,7 +180,7 @@ fn what_has_to_become_so_is_looked_at_until_it_is() {
 }
 
 #[test]
-fn two_conditions_are_looked_at_in_turn() {
+fn search_senses_two_conditions_one_after_another() {
     check(
         "",
         "if expired(spam) then put(spam, trash bin) else put(spam, shelf) & if expired(milk) then put(milk, trash bin) \
@@ -193,7 +193,7 @@ fn two_conditions_are_looked_at_in_turn() {
 }
 
 #[test]
-fn what_was_only_looked_at_is_back_where_it_was() {
+fn search_restores_objects_moved_only_for_sensing() {
     check(
         "",
         "if expired(spam) then put(spam, shelf)",
@@ -213,7 +213,7 @@ fn what_was_only_looked_at_is_back_where_it_was() {
 }
 
 #[test]
-fn what_a_goal_disturbs_may_stay_where_it_was_used() {
+fn search_does_not_restore_objects_that_a_goal_has_moved() {
     check(
         "",
         "if clean(sponge) then wiped(table, sponge)",
