@@ -312,7 +312,7 @@ fn a_gap_is_named() {
 }
 
 #[test]
-fn other_mistakes_are_named() {
+fn lesson_names_missing_steps_and_other_mistakes() {
     found(
         &door(|lines| lines.retain(|line| line.step != 4)),
         "step 4 `adjust_by_rotate(<fridge_handle>)`: no recording shows it",
@@ -386,7 +386,7 @@ fn slides_and_wipes_that_show_too_little_are_named() {
 }
 
 #[test]
-fn what_the_recording_lacks_is_named() {
+fn lesson_names_columns_and_frames_that_the_recording_lacks() {
     let world = world();
     let requests = plan(&world, &CALLS[..2]);
     let lines: Vec<Line> = shown(NOISE).lines.into_iter().filter(|line| line.step <= 2).collect();

@@ -174,7 +174,7 @@ fn tables_that_are_not_clear_say_what_to_rename() {
 
 /// A tracker that has not seen the hand yet is no mistake for a recorder, which goes on.
 #[test]
-fn a_recording_of_gaps_alone_may_still_begin() {
+fn recording_of_gaps_alone_is_marked_as_without_position() {
     let is_without = |text: &str| {
         let error = Demonstration::read("demo", Format::of_lines(text.as_bytes()), text.as_bytes()).unwrap_err();
         error.is_without_position

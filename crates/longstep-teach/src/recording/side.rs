@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_say_which_hand_they_mean() {
+    fn recording_names_identify_the_hand() {
         use Hand::{Left, Right};
         for (names, expected) in [
             (&["/hand"][..], Some(vec![(0, Right)])),
