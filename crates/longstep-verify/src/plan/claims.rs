@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn claims_stand_behind_the_sentence() {
+    fn claims_are_read_after_the_step_sentence() {
         check("take the cup", "take the cup", &[]);
         check("", "", &[]);
         check("take it; <cup>: inside_hand()", "take it", &["<cup> inside_hand()"]);

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_label_is_never_misread() {
+    fn fuzzy_names_never_change_a_label() {
         let household = longstep_model::domain::shipped("household").unwrap().unwrap();
         let text = r#"{"objects": ["<tube_A>", "<plate_3>"]}"#;
         let world = longstep_model::environment::parse(&household, "env.json", text).unwrap();

@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_run_until_they_wait() {
+    fn lanes_run_until_a_synchronization_point() {
         check(&["0 1", "2"], &[0, 1, 2]);
         check(&["0 x 1", "2 x 3"], &[0, 2, 1, 3]);
         // The third lane waits for the second one, which waits for the first one.

@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_path() {
+    fn task_tree_errors_name_the_path_of_the_wrong_value() {
         let call = json!({ "call": "a()" });
         refused(json!({}), "`task_tree` should be an array");
         refused(

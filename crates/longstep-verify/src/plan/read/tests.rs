@@ -49,7 +49,7 @@ fn strict_json_needs_no_leniency() {
 }
 
 #[test]
-fn what_stands_around_the_plan_is_listed() {
+fn reader_lists_text_and_wrappers_around_the_plan() {
     check(&format!("```json\n{PLAN}\n```"), "a(); b(); A; B [CodeFence*2]");
     check(&format!("```\n{PLAN}"), "a(); b(); A; B [CodeFence]");
     check(
@@ -89,7 +89,7 @@ fn python_is_read_as_python() {
 }
 
 #[test]
-fn texts_are_read_however_they_are_quoted() {
+fn reader_accepts_each_style_of_quotation() {
     check_text("'say \"no\"'", "say \"no\" [SingleQuotes]");
     check_text("'the robot's hand'", "the robot's hand [SingleQuotes Apostrophe]");
     check_text(
@@ -211,7 +211,7 @@ fn wrong_shapes_are_told_with_path_and_place() {
 }
 
 #[test]
-fn what_is_cut_off_is_never_completed() {
+fn reader_never_completes_a_truncated_reply() {
     let cut = |end: &str| format!("line {end}; the object that begins at line 1, column 1 does not end");
     for text in [
         "\"a",
@@ -253,7 +253,7 @@ fn what_is_cut_off_is_never_completed() {
 }
 
 #[test]
-fn what_is_no_plan_is_told_apart() {
+fn reader_names_the_reason_a_reply_has_no_single_plan() {
     check("", "the reply is empty");
     check(" \u{feff}\r\n", "the reply is empty");
     check("```json\n```", "the reply is empty");
@@ -277,7 +277,7 @@ fn what_is_no_plan_is_told_apart() {
 }
 
 #[test]
-fn a_broken_object_is_not_read_in_part() {
+fn reader_rejects_a_malformed_object_entirely() {
     check(
         r#"{"a" 1, "task_cohesion": {"task_sequence": [], "step_instructions": []}}"#,
         "line 1, column 6: expected `:` after the key",
@@ -446,7 +446,7 @@ fn trees_and_scripts_are_found_in_replies() {
 
 /// Steps in every notation other than the paper's, with the notation that is named.
 #[test]
-fn each_notation_has_its_reader() {
+fn reader_names_the_notation_of_each_plan() {
     const STEPS: &str = "Walk(<desk>); Put(<pen>, <desk>)";
     for (notation, texts) in [
         (
@@ -600,7 +600,7 @@ fn virtualhome_entities_have_the_numbers_of_their_nodes() {
 }
 
 #[test]
-fn texts_inside_of_values_are_read() {
+fn reader_finds_plans_inside_string_values() {
     check(&format!("{PLAN:?}"), "a(); b(); A; B [Quoted]");
     check(
         &format!("{:?}", "1. a()\n2. b()"),
@@ -617,7 +617,7 @@ fn texts_inside_of_values_are_read() {
 }
 
 #[test]
-fn thoughts_are_not_read() {
+fn reader_skips_the_thoughts_of_a_model() {
     check(&format!("<think>{OTHER}</think>\n{PLAN}"), "a(); b(); A; B [Thoughts]");
     check(&format!("So {OTHER}?</think>{PLAN}"), "a(); b(); A; B [Thoughts]");
     check(
@@ -632,7 +632,7 @@ fn thoughts_are_not_read() {
 }
 
 #[test]
-fn two_readings_are_refused() {
+fn reader_rejects_replies_with_two_readings() {
     check(
         "1. Open(<box>)\n2. Grab(<cup>)\n```json\n{\"plan\": [\"Grab(<cup>)\"]}\n```",
         "the reply can be read in two ways that are not the same: as JSON at line 4, column 1, and as a list of calls at line 1, column 1",
@@ -672,7 +672,7 @@ fn two_readings_are_refused() {
 
 /// Nothing that may be a step is left out without a word.
 #[test]
-fn no_step_is_dropped() {
+fn reader_never_drops_a_step_silently() {
     const WHOLE: &str = "Walk(<desk>); Grab(<pen>)";
     let steps = |reply: &str| read(reply).map(|draft| draft.file.task_cohesion.task_sequence.join("; "));
     for end in [

@@ -84,7 +84,7 @@ fn scripts_are_read_and_written_in_one_style() {
 }
 
 #[test]
-fn what_no_plan_has_is_refused_with_its_place() {
+fn script_errors_name_the_position_of_unsupported_syntax() {
     for (script, message) in [
         ("x = a()", "line 1, column 3: this is an assignment, which no plan has"),
         (
@@ -217,7 +217,7 @@ fn what_no_plan_has_is_refused_with_its_place() {
 }
 
 #[test]
-fn nothing_stands_too_deep() {
+fn script_reader_limits_nesting_depth() {
     let nested = |depth: usize| {
         let branches: String = (0..depth).map(|at| format!("{}if a():\n", " ".repeat(at))).collect();
         format!("{branches}{}b()\n", " ".repeat(depth))
@@ -370,7 +370,7 @@ mod random {
 
     proptest! {
         #[test]
-        fn both_notations_keep_everything(seed in any::<u64>()) {
+        fn script_and_task_tree_keep_the_whole_plan(seed in any::<u64>()) {
             let written = draw(seed);
             prop_assert!(written.is_sound());
             let script = write(&written);

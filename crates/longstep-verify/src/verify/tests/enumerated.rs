@@ -416,7 +416,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 1_000, ..ProptestConfig::default() })]
 
     #[test]
-    fn every_outcome_is_followed(parts in parts(), lit in prop::collection::vec(1..=LAMPS, 0..=2)) {
+    fn verify_agrees_with_enumeration_of_outcomes(parts in parts(), lit in prop::collection::vec(1..=LAMPS, 0..=2)) {
         let domain = domain();
         let world = world(&domain, LAMPS, &lit);
         let plan = plan(&world, &parts);
@@ -434,7 +434,7 @@ proptest! {
     }
 
     #[test]
-    fn a_claim_is_kept_by_one_ending(
+    fn claim_holds_if_one_ending_satisfies_it(
         parts in parts(),
         lit in prop::collection::vec(1..=LAMPS, 0..=2),
         claimed in prop::collection::btree_set(1..=LAMPS, 0..=LAMPS),
@@ -461,7 +461,7 @@ proptest! {
     }
 
     #[test]
-    fn every_order_is_followed(left in lane("left"), right in lane("right"), lit in prop::collection::vec(1..=4usize, 0..=3)) {
+    fn verify_agrees_with_enumeration_of_lane_orders(left in lane("left"), right in lane("right"), lit in prop::collection::vec(1..=4usize, 0..=3)) {
         let domain = domain();
         let world = world(&domain, LAMPS + 2, &lit);
         let plan = plan(&world, &[Part::Lanes(vec![("left", left), ("right", right)])]);

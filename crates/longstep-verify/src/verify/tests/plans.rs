@@ -40,7 +40,7 @@ fn check_messages(calls: &[&str], expected: &[&str]) {
 }
 
 #[test]
-fn good_plans_pass() {
+fn verify_reports_nothing_for_valid_plans() {
     check_messages(
         &[
             "Walktowards(<desk_1>)",
@@ -54,7 +54,7 @@ fn good_plans_pass() {
 }
 
 #[test]
-fn what_is_missing_is_said() {
+fn verify_reports_unsatisfied_preconditions() {
     check_messages(
         &["Grab(<pie_4>)"],
         &["step 1: Grab(<pie_4>) needs that the pie is within reach"],
@@ -70,7 +70,7 @@ fn what_is_missing_is_said() {
 }
 
 #[test]
-fn the_step_that_took_it_away_is_named() {
+fn violation_names_the_step_that_removed_the_precondition() {
     check_messages(
         &["Walktowards(<desk_1>)", "Walktowards(<shelf_3>)", "Grab(<pie_4>)"],
         &[
@@ -80,7 +80,7 @@ fn the_step_that_took_it_away_is_named() {
 }
 
 #[test]
-fn rules_hold_at_the_end() {
+fn verify_checks_rules_at_the_end_of_a_plan() {
     check_messages(
         &[
             "Walktowards(<desk_1>)",
@@ -94,7 +94,7 @@ fn rules_hold_at_the_end() {
 }
 
 #[test]
-fn what_a_verdict_rests_on_is_listed() {
+fn report_lists_assumptions_behind_the_verdict() {
     let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<box>"], "objects": ["<box_lever>"], "object_states": {"<box_lever>": "closed()"}}"#;
     let environment = Environment::from_json(text).unwrap();
@@ -107,7 +107,7 @@ fn what_a_verdict_rests_on_is_listed() {
 }
 
 #[test]
-fn where_calls_do_not_say_where_the_claim_does() {
+fn binding_takes_unstated_places_from_the_claim() {
     let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<bin>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
     let environment = Environment::from_json(text).unwrap();
@@ -149,7 +149,7 @@ fn where_calls_do_not_say_where_the_claim_does() {
 }
 
 #[test]
-fn a_hand_is_no_place() {
+fn binding_does_not_take_a_hand_for_a_place() {
     let domain = domain::shipped("household-dual").unwrap().unwrap();
     let text = r#"{"assets": ["<table>"], "objects": ["<cup>"], "object_states": {"<cup>": "inside_hand(right)"}}"#;
     let environment = Environment::from_json(text).unwrap();
@@ -170,7 +170,7 @@ fn a_hand_is_no_place() {
 }
 
 #[test]
-fn a_claim_promises_nothing_of_what_it_is_silent_about() {
+fn claim_makes_no_promise_about_unmentioned_states() {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let text = r#"{"assets": ["<room_1>", "<desk_2>"], "objects": ["<mug_4>"],
         "asset_states": {"<desk_2>": ["INSIDE(<room_1>)"]}}"#;
@@ -182,7 +182,7 @@ fn a_claim_promises_nothing_of_what_it_is_silent_about() {
 }
 
 #[test]
-fn what_an_effect_depends_on_decides_what_can_come_about() {
+fn reachability_respects_the_conditions_of_effects() {
     let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
         "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
@@ -202,7 +202,7 @@ fn what_an_effect_depends_on_decides_what_can_come_about() {
 }
 
 #[test]
-fn a_hidden_argument_of_sensing_is_what_a_later_condition_asks() {
+fn binding_senses_the_object_of_a_later_condition() {
     let domain = domain::shipped("household-checks").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>", "<sponge>"],
         "object_states": {"<cup>": "on_something(<table>)", "<sponge>": "on_something(<shelf>)"}}"#;

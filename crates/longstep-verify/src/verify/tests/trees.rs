@@ -54,7 +54,7 @@ fn both_sides_of_a_branch_are_followed() {
 }
 
 #[test]
-fn what_was_sensed_is_known_on_its_way() {
+fn verify_uses_sensed_facts_on_the_branch_that_follows() {
     check(&[Part::If(Guard::Feel(2), all(&["cool 2"]), vec![])], &[]);
     check(
         &[Part::If(not(Guard::Feel(2)), all(&["cool 2"]), vec![])],
@@ -85,7 +85,7 @@ fn what_was_sensed_is_known_on_its_way() {
 }
 
 #[test]
-fn nobody_may_ask_what_was_never_sensed() {
+fn verify_rejects_conditions_that_were_never_sensed() {
     check(
         &[Part::If(Guard::Is("warm", 2), all(&["press left 2"]), vec![])],
         &["step 1: a condition asks whether lamp 2 is warm, and nothing has sensed that"],
@@ -247,7 +247,7 @@ fn a_thousand_branches_that_come_together_are_followed() {
 }
 
 #[test]
-fn what_two_orders_find_on_one_way_is_not_so_on_all() {
+fn violation_in_both_lane_orders_keeps_its_branch_condition() {
     check(
         &[
             Part::If(Guard::Feel(2), all(&["press left 2"]), vec![]),
