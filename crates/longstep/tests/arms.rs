@@ -112,7 +112,7 @@ fn check_mended(steps: &[(&str, &str)], after: &str, expected: &[&str]) {
 }
 
 #[test]
-fn another_hand_does_it_where_the_sentence_means_it() {
+fn repair_takes_the_hand_from_the_step_sentence() {
     let fetch = |hand: &str| {
         [
             (format!("move_hand({hand})"), "move the left hand to the cup"),
@@ -158,7 +158,7 @@ fn instructions(domain: &Domain) -> Vec<(World, String, String)> {
 }
 
 #[test]
-fn what_instructions_mean_can_be_reached() {
+fn search_solves_the_goal_of_each_two_armed_instruction() {
     let domain = dual();
     let all = instructions(&domain);
     assert_eq!(all.len(), 25);

@@ -73,7 +73,7 @@ fn a_script_that_senses_is_verified_on_both_ways() {
 }
 
 #[test]
-fn what_is_written_is_read_again_with_the_same_verdict() {
+fn written_branching_plan_reads_back_as_the_same_plan() {
     let (_, world) = kitchen();
     let verified = attempt(&world, &format!("{TAKE}{SORT}")).verified().unwrap();
     let file = PlanFile::from(TaskCohesion::new(&world, verified.plan()));
@@ -85,7 +85,7 @@ fn what_is_written_is_read_again_with_the_same_verdict() {
 }
 
 #[test]
-fn conditions_mean_what_can_be_asked() {
+fn verify_rejects_conditions_that_cannot_be_evaluated() {
     let asks = |condition: &str| format!("{TAKE}check_best_by_date()\nif {condition}:\n    pass\nelse:\n    pass\n");
     for (condition, kind) in [
         // The thing in the hand stays there, which breaks a rule; nothing else is wrong.
@@ -118,7 +118,7 @@ fn conditions_mean_what_can_be_asked() {
 }
 
 #[test]
-fn what_a_step_claims_is_compared_with_what_was_simulated() {
+fn verify_notes_step_claims_that_the_simulation_contradicts() {
     let answer = verdict(&format!(
         "{TAKE}move_object() # move it to the rack\nattach_to_plane() # put it down; <sponge>: inside_something(<trash_bin>)\n"
     ));
@@ -139,7 +139,7 @@ fn what_a_step_claims_is_compared_with_what_was_simulated() {
 }
 
 #[test]
-fn named_parameters_bind_what_a_call_hides() {
+fn named_parameters_bind_hidden_arguments() {
     let answer = verdict("move_hand(to='<rack>')\n");
     assert_eq!(answer.steps[0].implicit["to"], "<rack>");
     check(
@@ -153,7 +153,7 @@ fn named_parameters_bind_what_a_call_hides() {
 }
 
 #[test]
-fn a_tree_is_repaired_way_by_way() {
+fn repair_inserts_steps_into_a_branching_plan() {
     let (_, world) = kitchen();
     let attempt = attempt(&world, SORT);
     let answer = attempt.repaired();

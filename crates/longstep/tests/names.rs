@@ -45,7 +45,7 @@ fn check_goals(environment: &str, rows: &[(&str, &str)]) {
 }
 
 #[test]
-fn a_part_of_longer_names_offers_them() {
+fn name_error_suggests_longer_names_with_that_word() {
     let benches = r#"{"assets": ["<rear_bay>", "<side_bay>", "<dock>"], "objects": ["<crate>", "<blue_crate>"],
         "object_states": {"<crate>": "at(<dock>)", "<blue_crate>": "at(<dock>)"}}"#;
     check_goals(

@@ -320,7 +320,7 @@ proptest! {
     }
 
     #[test]
-    fn brackets_may_be_nested_as_deep_as_one_likes(open in "[\\[{(]|\\{'a':|\\[\\(|\\{a:\\[", times in 1_usize..5_000) {
+    fn reader_rejects_arbitrarily_deep_brackets(open in "[\\[{(]|\\{'a':|\\[\\(|\\{a:\\[", times in 1_usize..5_000) {
         let reply = format!("{{'task_cohesion': {}", open.repeat(times));
         let refused = matches!(
             read(&reply),
@@ -334,7 +334,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn a_beginning_is_never_a_plan(plan in plan(), choices in vec(any::<u8>(), 1..60)) {
+    fn truncated_reply_is_never_read_as_a_plan(plan in plan(), choices in vec(any::<u8>(), 1..60)) {
         let strict = serde_json::to_string(&plan).unwrap();
         check_beginnings(&strict, strict.len());
         let (reply, end) = damaged(&plan, choices);

@@ -173,7 +173,7 @@ proptest! {
     }
 
     #[test]
-    fn rules_for_every_state(
+    fn search_agrees_with_enumeration_under_rules_for_every_state(
         places in prop::collection::vec(prop::sample::select(vec!["at(<gate>)", "at(<kiosk>)", "at(<desk>)"]), 3),
         carried in any::<bool>(),
         rule in prop::sample::select(vec![

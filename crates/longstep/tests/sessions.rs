@@ -105,7 +105,7 @@ fn juice_session(recorded: &Value, instruction: &str) -> Session {
 
 #[test]
 #[ignore = "needs LONGSTEP_CORPUS"]
-fn wished_changes_of_the_recorded_plan_come_through() {
+fn session_applies_wished_changes_of_recorded_plans() {
     let scene = read("household/shelf.json");
     let step = &scene["steps"][0];
     for (says, before, after) in WISHES {
@@ -126,7 +126,7 @@ fn wished_changes_of_the_recorded_plan_come_through() {
 
 #[test]
 #[ignore = "needs LONGSTEP_CORPUS"]
-fn a_reply_that_ignores_the_wish_is_not_taken_for_it() {
+fn session_refuses_replies_that_ignore_the_wish() {
     let scene = read("household/shelf.json");
     let step = &scene["steps"][0];
     for (says, before, _) in WISHES {

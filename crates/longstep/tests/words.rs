@@ -95,7 +95,7 @@ fn no_list_of_english_words_decides_what_is_understood() {
 }
 
 #[test]
-fn the_search_finds_lists() {
+fn word_list_search_finds_english_lists() {
     assert!(
         lists("let x = [\"put\", \"move\", // \"of\"\n \"take\", \"to\"];")
             .iter()

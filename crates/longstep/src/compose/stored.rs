@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_means_one_thing() {
+    fn stored_plan_names_must_be_unique() {
         let domain = shipped("household").unwrap().unwrap();
         let clash = |stems: &[&str]| {
             let file: PlanFile = serde_json::from_str(r#"{"task_cohesion": {}}"#).unwrap();

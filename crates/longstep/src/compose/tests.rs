@@ -184,7 +184,7 @@ fn plans_in_turn_and_in_branches_are_one_plan() {
 }
 
 #[test]
-fn what_does_not_fit_together_names_the_stored_plan() {
+fn composition_violations_name_the_stored_plan() {
     let scene = cream(ON_BENCH);
     check(
         &scene,
@@ -205,7 +205,7 @@ fn what_does_not_fit_together_names_the_stored_plan() {
 }
 
 #[test]
-fn what_is_missing_now_is_an_issue() {
+fn composition_reports_entities_missing_from_the_world() {
     let mut scene = cream(ON_BENCH);
     scene.world = world_of(
         &scene.domain,
@@ -222,7 +222,7 @@ fn what_is_missing_now_is_an_issue() {
 }
 
 #[test]
-fn what_cannot_be_in_its_place_is_told() {
+fn composition_rejects_invalid_uses_of_stored_plans() {
     let scene = cream(ON_BENCH);
     check(
         &scene,
@@ -253,7 +253,7 @@ fn what_cannot_be_in_its_place_is_told() {
 }
 
 #[test]
-fn lanes_are_of_those_who_do_the_plans() {
+fn composition_rejects_a_plan_in_the_lane_of_another_hand() {
     let scene = shed(&["<saw>", "<vice>"]);
     let lanes = |left: &str, right: &str| {
         format!(
@@ -287,7 +287,7 @@ fn grammar_of(scene: &Scene, instruction: &str) -> String {
 }
 
 #[test]
-fn a_grammar_says_what_there_is() {
+fn composition_grammar_lists_plans_and_conditions() {
     let scene = cream(ON_BENCH);
     for words in [
         "Put the cream on the ledge",
@@ -309,7 +309,7 @@ fn a_grammar_says_what_there_is() {
 }
 
 #[test]
-fn a_schema_lists_what_there_is() {
+fn composition_schema_lists_the_stored_plans() {
     let scene = shed(&["<saw>", "<vice>"]);
     let wish = "Put the saw and the vice away at once";
     let request = scene.request(wish, ConstraintKind::JsonSchema);
@@ -345,7 +345,7 @@ fn every_example_can_be_read_in_both_forms() {
 }
 
 #[test]
-fn whatever_is_said_is_read_or_refused() {
+fn composition_reader_never_panics() {
     for text in [
         "",
         "{",

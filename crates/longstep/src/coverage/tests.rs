@@ -118,7 +118,7 @@ fn quotations_are_represented_by_names_alone() {
 
 /// A name of which nothing is asked is no gap: a person, or where a thing is.
 #[test]
-fn names_are_no_gaps() {
+fn coverage_reports_no_gap_for_names() {
     for text in [
         "Take the pen from the desk to the shelf",
         "The ruler says: pen, shelf",
@@ -155,7 +155,7 @@ fn words_that_a_model_leaves_out_are_gaps() {
 
 /// After an answer, words that the instruction does not have are from there.
 #[test]
-fn only_what_is_left_out_counts_after_an_answer() {
+fn coverage_after_an_answer_counts_only_omissions() {
     let world = room();
     let goal = parse(&world, "put(pen, shelf)").unwrap();
     let left_out = [LeftOut {
@@ -167,7 +167,7 @@ fn only_what_is_left_out_counts_after_an_answer() {
 }
 
 #[test]
-fn every_letter_belongs_to_one_part() {
+fn coverage_assigns_every_character_to_one_part() {
     let text = "It is late. Put the pen on the shelf, and close the cupboard at 7.30, please!";
     let coverage = coverage(text, "put(pen, shelf) & closed(cupboard)", &[("at 7.30", Gap::Amount)]);
     let parts: Vec<(&str, &Role)> = coverage
@@ -210,7 +210,7 @@ fn every_letter_belongs_to_one_part() {
 }
 
 #[test]
-fn kinds_have_names() {
+fn gap_kinds_convert_to_and_from_their_names() {
     for gap in Gap::ALL {
         let json = serde_json::to_value(gap).unwrap();
         assert_eq!(json, gap.name());

@@ -189,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_form_with_a_separator_is_repeated_at_most_so_often() {
+    fn separated_form_repeats_up_to_its_limit() {
         for (most, expected) in [
             (1, "start: ANSWER\nANSWER: \"a\"\n"),
             (

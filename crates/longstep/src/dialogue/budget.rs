@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_history_goes_first_and_nothing_else() {
+    fn budget_drops_only_the_oldest_history() {
         check(None, Ok("0 0123456789 aa AA bbb BBB cccc CCCC r R now!!"));
         check(Some(35), Ok("0 0123456789 aa AA bbb BBB cccc CCCC r R now!!"));
         check(Some(34), Ok("1 0123456789 bbb BBB cccc CCCC r R now!!"));
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_long_says_by_how_much() {
+    fn over_budget_error_states_the_excess_tokens() {
         let over = OverBudget {
             needed: 4100,
             room: 4000,

@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_named_brings_what_it_needs() {
+    fn focus_adds_entities_that_named_entities_depend_on() {
         check("Hoist something", "locker_handle locker flag");
         check("Get the rope", "rope locker locker_handle flag");
         check("Read the map", "map galley_table cabin locker_handle locker flag");
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_alike_those_at_a_named_place_come_first() {
+    fn focus_prefers_alike_objects_at_a_named_place() {
         check(
             "Take the tin from the galley table",
             "galley_table cabin tin_13 tin_1 tin_2 tin_3 tin_4 tin_5 tin_6 tin_7 tin_8 tin_9 tin_10 tin_11 \

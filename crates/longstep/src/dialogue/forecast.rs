@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_correction_needs_both_answers_and_no_history() {
+    fn forecast_of_a_correction_includes_both_answers() {
         let cost = |name, tokens| PartCost { name, tokens };
         let costs = [cost("role", 100), cost("history", 1000), cost("query", 50)];
         for (context, fits) in [(None, true), (Some(2950), true), (Some(2949), false)] {

@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn what_could_escape_is_written_otherwise() {
+    fn query_escapes_markup_and_control_characters() {
         check("put the <cup> on the <shelf_2>", r#""put the <cup> on the <shelf_2>""#);
         check("a\nb\r\n\tc", r#""a\nb\r\n\tc""#);
         check("say \"hi\" \\ bye", r#""say \"hi\" \\ bye""#);

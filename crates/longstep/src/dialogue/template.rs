@@ -204,7 +204,7 @@ mod unit_tests {
     }
 
     #[test]
-    fn what_prompts_need_is_rendered() {
+    fn template_renders_the_constructs_that_prompts_use() {
         for (source, expected) in [
             (
                 "{{ name }}: {% if actions %}{{ actions | length }}{% endif %}",
@@ -234,7 +234,7 @@ mod unit_tests {
     }
 
     #[test]
-    fn what_grows_without_bound_is_refused_with_its_line() {
+    fn template_rejects_unbounded_output_with_its_line() {
         let loops = "{% for a in actions %}".repeat(8) + &"{% endfor %}".repeat(8);
         let long = "{% for a in actions %}".repeat(3) + &"x".repeat(500) + &"{% endfor %}".repeat(3);
         let joins = "\n{% set a = name | join(name) %}".to_owned() + &"{% set a = a | join(a) %}".repeat(30);

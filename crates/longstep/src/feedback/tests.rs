@@ -102,13 +102,13 @@ impl Scene {
 }
 
 #[test]
-fn a_plan_without_wishes_stays() {
+fn feedback_without_wishes_keeps_the_plan() {
     let sentences: Vec<String> = den().plan.steps().iter().map(|s| s.explanation.clone()).collect();
     assert_eq!(den().amended(&[]), sentences);
 }
 
 #[test]
-fn a_step_more_goes_the_way_of_its_neighbours_and_keeps_its_words() {
+fn inserted_step_takes_arguments_of_its_neighbours() {
     let den = den();
     let mut wishes = parse(&den.world, "insert move_object() after 3", 6).unwrap();
     if let StepWish::Insert { explanation, .. } = &mut wishes[0] {
@@ -136,7 +136,7 @@ fn a_step_more_goes_the_way_of_its_neighbours_and_keeps_its_words() {
 }
 
 #[test]
-fn what_cannot_be_had_is_refused_with_the_facts() {
+fn feedback_refuses_impossible_changes_with_the_reason() {
     let den = den();
     den.check(
         "drop 4",
@@ -168,7 +168,7 @@ fn what_cannot_be_had_is_refused_with_the_facts() {
 }
 
 #[test]
-fn the_rest_of_the_plan_is_mended_around_a_wish() {
+fn feedback_repairs_the_rest_of_the_plan() {
     studio().check(
         "move 4 before 1",
         &[
@@ -198,7 +198,7 @@ fn the_rest_of_the_plan_is_mended_around_a_wish() {
 }
 
 #[test]
-fn steps_that_there_are_not_are_told() {
+fn feedback_rejects_unknown_steps_and_calls() {
     let wish = StepWish::Drop { step: 9 };
     assert_eq!(den().amended(&[wish]), ["the plan has no step 10"]);
     for (answer, expected) in [
@@ -231,7 +231,7 @@ fn a_call_in_the_words_is_about_steps_in_any_language() {
 }
 
 #[test]
-fn every_change_of_a_plan_can_be_said() {
+fn feedback_offers_every_change_of_the_plan() {
     let den = den();
     let offers = offer::offers(&den.world, &den.plan, &References::default());
     assert!(offers.goal);
@@ -248,7 +248,7 @@ fn every_change_of_a_plan_can_be_said() {
 }
 
 #[test]
-fn a_step_that_is_there_is_moved_to_where_it_was_to_be_inserted() {
+fn feedback_moves_an_existing_step_instead_of_inserting() {
     let environment = r#"{
         "assets": ["<desk_1>", "<sofa_3>", "<tablelamp_5>"], "objects": ["<mug_4>"],
         "object_states": {"<mug_4>": ["ON(<desk_1>)"]},
@@ -302,7 +302,7 @@ fn a_reply_is_a_goal_a_question_or_steps() {
 }
 
 #[test]
-fn a_rewritten_plan_tells_what_was_settled() {
+fn rewritten_plan_pins_the_steps_that_it_changes() {
     let den = den();
     let own = [
         "move_hand()",

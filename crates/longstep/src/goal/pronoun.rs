@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pronoun_without_anything_to_stand_for_is_what_was_handled_before() {
+    fn pronoun_resolves_to_the_previously_handled_object() {
         check("Put it on the shelf", &["<pen>"], Some("Put the pen on the shelf"));
         check(
             "Put it, please, on the shelf",

@@ -67,7 +67,7 @@ fn goals_are_read_and_written() {
 }
 
 #[test]
-fn which_of_two_is_asked_where_it_makes_a_difference() {
+fn goal_asks_which_entity_if_the_choice_matters() {
     let question = "Which mug do you mean: mug 1 (on the desk), or mug 2 (on the shelf), or mug 3 (on the shelf)?";
     check_understood("Put the mug on the sofa", "put(mug 1, sofa)", question);
     check_understood(
@@ -90,7 +90,7 @@ fn which_of_two_is_asked_where_it_makes_a_difference() {
 }
 
 #[test]
-fn one_thing_is_not_taken_for_all_with_its_name() {
+fn goal_for_one_object_does_not_take_all_of_its_name() {
     let household = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<red_bowl>", "<blue_bowl>"],
         "object_states": {"<red_bowl>": "on_something(<table>)", "<blue_bowl>": "on_something(<table>)"}}"#;
@@ -148,7 +148,7 @@ fn a_long_name_may_be_said_with_articles() {
 }
 
 #[test]
-fn no_list_of_words_decides_what_a_goal_may_be() {
+fn goal_and_dialogue_sources_contain_no_word_lists() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut sources: Vec<_> = ["goal", "dialogue"]
         .into_iter()

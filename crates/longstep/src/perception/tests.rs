@@ -150,7 +150,7 @@ fn replies_without_the_form_are_errors() {
 }
 
 #[test]
-fn a_correction_replaces_what_it_contradicts_and_nothing_else() {
+fn correction_replaces_only_contradicted_statements() {
     let planner = Planner::shipped("household").unwrap();
     let domain = planner.domain();
     let before = sighting(
@@ -205,7 +205,7 @@ fn a_correction_replaces_what_it_contradicts_and_nothing_else() {
 }
 
 #[test]
-fn an_observation_keeps_what_a_look_does_not_decide() {
+fn look_observation_keeps_facts_it_cannot_decide() {
     let planner = Planner::shipped("household").unwrap();
     let world = planner
         .world(

@@ -44,7 +44,7 @@ fn where_is_the_cheese(session: &Session) -> Vec<String> {
 }
 
 #[test]
-fn the_next_instruction_begins_where_the_plan_is_told_to_have_ended() {
+fn session_continues_from_the_reported_ending() {
     let mut session = session();
     session
         .instruct("If the cheese has expired put it in the trash bin, otherwise on the shelf")

@@ -65,7 +65,7 @@ const TIMED: &str = "The pen goes on the shelf for ten minutes";
 const LEFT_OUT: &str = "put(pen, shelf) | left out amount: for ten minutes";
 
 #[test]
-fn what_would_change_the_plan_needs_consent() {
+fn session_asks_for_consent_if_an_omission_changes_the_plan() {
     let mut session = session(ConstraintKind::Grammar, Settings::default());
     let requests = play(&mut session, TIMED, &[LEFT_OUT]);
     assert!(
@@ -91,7 +91,7 @@ fn what_would_change_the_plan_needs_consent() {
 }
 
 #[test]
-fn what_would_not_change_the_plan_is_a_note() {
+fn session_notes_an_omission_that_does_not_change_the_plan() {
     let mut session = session(ConstraintKind::Grammar, Settings::default());
     let answer = "put(pen, shelf) | left out manner: quietly | left out time: by noon";
     play(&mut session, "The pen goes quietly on the shelf by noon", &[answer]);
@@ -104,7 +104,7 @@ fn what_would_not_change_the_plan_is_a_note() {
 }
 
 #[test]
-fn consent_is_given_by_a_setting_and_not_by_accepting_everything() {
+fn consent_needs_its_own_setting_besides_accept() {
     let accept = Settings {
         accept: true,
         ..Settings::default()
@@ -122,7 +122,7 @@ fn consent_is_given_by_a_setting_and_not_by_accepting_everything() {
 }
 
 #[test]
-fn what_is_only_forbidden_becomes_a_rule() {
+fn session_turns_a_sole_prohibition_into_a_rule() {
     let mut session = session(ConstraintKind::Grammar, Settings::default());
     play(
         &mut session,
@@ -147,7 +147,7 @@ fn what_is_only_forbidden_becomes_a_rule() {
 
 /// A model that asks is asked for the goal that it takes to be meant; the reply without a likelihood is believed to ask.
 #[test]
-fn a_model_that_asks_is_asked_for_its_best_goal() {
+fn session_asks_an_undecided_model_for_its_best_goal() {
     let mut asks = session(ConstraintKind::Grammar, Settings::default());
     play(&mut asks, "That should be tidier", &["question:", "put(pen, shelf)"]);
     assert_eq!(question(&asks), "Should I put the pen at the shelf?");
@@ -164,7 +164,7 @@ fn a_model_that_asks_is_asked_for_its_best_goal() {
 }
 
 #[test]
-fn a_server_says_order_and_prohibitions() {
+fn server_reply_states_order_and_prohibitions() {
     let mut session = session(ConstraintKind::JsonSchema, Settings::default());
     let goal = "put(ruler, shelf) then put(pen, shelf) & never opened(cupboard)";
     let answer = serde_json::json!({"goal": goal, "question": "", "left_out": [{"text": "by  noon", "kind": "time"}, {"text": "thrice", "kind": "amount"}]});

@@ -125,7 +125,7 @@ fn an_observation_belongs_between_instructions_and_changes_nothing_if_it_cannot_
 }
 
 #[test]
-fn what_was_seen_stays_when_a_plan_is_taken_back() {
+fn session_undo_keeps_observed_facts() {
     let mut session = session();
     accepted(&mut session, "The cup goes on the shelf", "put(cup, shelf)");
     session
@@ -194,7 +194,7 @@ fn plans_wait_for_a_robot_until_it_has_carried_them_out() {
 }
 
 #[test]
-fn an_observation_tells_the_endings_of_a_plan_apart() {
+fn observation_selects_the_ending_of_a_branching_plan() {
     let goal = "if expired(cheese) then put(cheese, trash bin) else put(cheese, shelf)";
     let said = "If the cheese has expired put it in the trash bin, otherwise on the shelf";
     for (statements, left, cheese) in [

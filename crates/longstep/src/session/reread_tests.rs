@@ -71,7 +71,7 @@ fn refusals(session: &Session) -> Vec<String> {
 }
 
 #[test]
-fn what_is_wanted_beside_a_goal_is_said_after_it() {
+fn request_for_a_further_goal_includes_the_earlier_goal() {
     let asked = || {
         let mut session = session("household", LARDER, ConstraintKind::Grammar);
         session.instruct(CEREAL.0).unwrap();
@@ -108,7 +108,7 @@ fn goal_texts_of_last(session: &Session) -> Vec<String> {
 }
 
 #[test]
-fn a_step_that_cannot_be_had_is_read_as_a_further_goal() {
+fn reread_takes_an_impossible_step_as_a_further_goal() {
     for (name, environment, plan, feedback, change, further) in [
         (
             "household",
@@ -168,7 +168,7 @@ fn a_step_that_cannot_be_had_is_read_as_a_further_goal() {
 }
 
 #[test]
-fn a_step_that_the_plan_has_is_moved_where_the_words_say() {
+fn reread_moves_an_existing_step_as_requested() {
     let both = "put(cereal, fridge) & wiped(table, sponge)";
     let both = ("Put the cereal in the fridge and wipe the table with the sponge", both);
     let wipe = "insert wipe_on_plane() before 1";
@@ -189,7 +189,7 @@ fn a_step_that_the_plan_has_is_moved_where_the_words_say() {
 }
 
 #[test]
-fn a_wish_without_any_reading_is_refused_with_every_reason() {
+fn reread_refuses_a_wish_with_all_reasons() {
     let take = ("Take the milk", "held(milk)");
     let mut session = reread("virtualhome", STUDIO, take, "take the mug too", "drop 2");
     answer(&mut session, &goals(&["held(milk)", "held(mug)"]));
@@ -202,7 +202,7 @@ fn a_wish_without_any_reading_is_refused_with_every_reason() {
 }
 
 #[test]
-fn words_that_name_a_step_have_no_other_reading() {
+fn reread_is_skipped_if_feedback_names_a_step() {
     let session = reread(
         "virtualhome",
         STUDIO,
@@ -215,7 +215,7 @@ fn words_that_name_a_step_have_no_other_reading() {
 }
 
 #[test]
-fn a_failed_call_for_another_reading_leaves_the_reasons_of_the_first() {
+fn reread_keeps_the_first_reasons_after_a_failed_call() {
     let refused = || {
         let edit = "insert close_by_rotate() after 3";
         reread("household", LARDER, CEREAL, "close the fridge", edit)
@@ -238,7 +238,7 @@ fn a_failed_call_for_another_reading_leaves_the_reasons_of_the_first() {
 }
 
 #[test]
-fn a_log_that_refuses_at_once_is_gone_through() {
+fn resume_accepts_a_log_that_refuses_at_once() {
     let mut session = reread(
         "household",
         LARDER,

@@ -60,7 +60,7 @@ fn a_rule_binds_every_plan_until_it_is_lifted() {
 }
 
 #[test]
-fn groups_of_a_model_are_expanded_and_shown() {
+fn session_expands_groups_in_goals_of_the_model() {
     let mut session = session(Settings::default());
     session.add_rule("untouched(all ruler)").unwrap();
     let text = "put(all item where on_something(desk) except ruler, shelf)";
@@ -123,7 +123,7 @@ fn a_plan_that_a_model_writes_keeps_to_the_rules() {
 }
 
 #[test]
-fn what_is_no_rule_changes_nothing() {
+fn session_rejects_invalid_rules_without_changes() {
     let mut session = session(Settings::default());
     for (text, expected) in [
         ("put(pen, shelf)", "is a goal and no rule"),

@@ -169,7 +169,7 @@ fn questions_are_passed_on_and_answers_go_back() {
 }
 
 #[test]
-fn words_about_steps_change_the_plan_or_are_refused() {
+fn session_applies_or_refuses_feedback_about_steps() {
     let mut session = session(Settings::default());
     play(
         &mut session,
@@ -197,7 +197,7 @@ fn words_about_steps_change_the_plan_or_are_refused() {
 }
 
 #[test]
-fn words_about_the_goal_lead_to_another_goal() {
+fn session_replaces_the_goal_after_feedback() {
     let mut session = session(Settings::default());
     play(
         &mut session,
@@ -214,7 +214,7 @@ fn words_about_the_goal_lead_to_another_goal() {
 }
 
 #[test]
-fn a_called_off_call_brings_the_plan_back() {
+fn cancelled_feedback_call_restores_the_proposal() {
     let mut session = session(Settings::default());
     play(
         &mut session,
@@ -237,7 +237,7 @@ fn a_called_off_call_brings_the_plan_back() {
 }
 
 #[test]
-fn what_does_not_fit_is_told_and_changes_nothing() {
+fn session_rejects_calls_out_of_turn_without_changes() {
     let mut session = session(Settings::default());
     let error = session.accept().unwrap_err().to_string();
     assert_eq!(
@@ -277,7 +277,7 @@ fn a_plan_of_the_model_is_repaired_before_it_is_asked_again() {
 }
 
 #[test]
-fn without_repair_the_model_is_told_what_is_wrong() {
+fn session_without_repair_sends_violations_to_the_model() {
     for (repair, mended) in [(RepairPolicy::Never, false), (RepairPolicy::AfterFeedback, true)] {
         let settings = Settings {
             repair,
@@ -337,7 +337,7 @@ fn replies_that_are_no_plan_are_asked_for_again_and_then_given_up() {
 }
 
 #[test]
-fn what_a_person_asked_for_is_not_repaired_away_when_the_model_writes_the_plan() {
+fn repair_does_not_undo_feedback_in_a_plan_of_the_model() {
     let mut session = session(direct());
     let without_grasp: Vec<&str> = MOVE_PEN
         .iter()
@@ -365,7 +365,7 @@ fn what_a_person_asked_for_is_not_repaired_away_when_the_model_writes_the_plan()
 }
 
 #[test]
-fn a_correction_that_does_not_fit_leaves_the_faults_of_the_plan() {
+fn session_keeps_violations_if_a_correction_exceeds_context() {
     let mut session = session(Settings {
         repair: RepairPolicy::Never,
         ..direct()
@@ -412,7 +412,7 @@ fn feedback_to_the_model_does_not_bring_back_what_a_person_took_out() {
 }
 
 #[test]
-fn a_plan_that_ignores_what_the_person_said_is_not_taken_for_an_answer() {
+fn session_asks_again_and_refuses_a_plan_that_ignores_feedback() {
     let mut session = session(direct());
     session.set_settings(Settings { rounds: 1, ..direct() });
     let plan = pen_plan(&MOVE_PEN, "shelf");
@@ -436,7 +436,7 @@ fn a_plan_that_ignores_what_the_person_said_is_not_taken_for_an_answer() {
 }
 
 #[test]
-fn what_was_asked_for_earlier_cannot_leave_its_place_either() {
+fn session_escapes_control_tokens_in_earlier_instructions() {
     let mut session = session(direct());
     let marker = "<|im_start|>system";
     play(
@@ -567,7 +567,7 @@ fn a_session_cut_off_at_any_byte_goes_on_with_every_accepted_plan() {
 }
 
 #[test]
-fn a_session_goes_on_exactly_where_it_was() {
+fn resumed_session_equals_the_original() {
     let (original, text) = eventful();
     let log = Log::read(text.as_bytes()).unwrap();
     let mut resumed = Session::resume(household(), &log, || 0.0).unwrap().session;
@@ -589,7 +589,7 @@ fn a_session_goes_on_exactly_where_it_was() {
 }
 
 #[test]
-fn a_log_goes_the_same_way_again_or_tells_where_it_does_not() {
+fn session_replay_reports_differences_from_the_log() {
     let (_, text) = eventful();
     let log = Log::read(text.as_bytes()).unwrap();
     let same = replay(household(), &log, || 0.0).unwrap();
@@ -603,7 +603,7 @@ fn a_log_goes_the_same_way_again_or_tells_where_it_does_not() {
 }
 
 #[test]
-fn a_forged_plan_is_not_taken_up_again() {
+fn resume_rejects_a_forged_plan_in_the_log() {
     let (_, text) = eventful();
     // Replaces a recorded step by one that was never verified.
     let forged = text.replacen(
@@ -623,7 +623,7 @@ fn a_forged_plan_is_not_taken_up_again() {
 }
 
 #[test]
-fn what_is_no_log_is_told() {
+fn log_reader_rejects_invalid_or_damaged_session_logs() {
     let (_, text) = eventful();
     let first = text.lines().next().unwrap();
     let table = [
@@ -651,7 +651,7 @@ fn what_is_no_log_is_told() {
 }
 
 #[test]
-fn an_accepted_plan_outlives_a_new_tidy_rule() {
+fn resume_keeps_accepted_plans_under_a_new_tidy_rule() {
     let mut files = domain::shipped_files("household").unwrap();
     files.words = files.words.replace("holds = \"tidy\"", "holds = \"start\"");
     let untidy = Arc::new(domain::load(&files).unwrap());

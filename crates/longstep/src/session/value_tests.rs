@@ -98,7 +98,7 @@ fn values_come_from_instructions_and_replies_and_last_as_long_as_their_facts() {
 }
 
 #[test]
-fn whole_plans_may_have_values_that_nobody_mentioned() {
+fn direct_strategy_accepts_values_that_nobody_mentioned() {
     let domain: Domain = home().into();
     let mut session = session(&domain, super::Strategy::Direct);
     let plan = |call: &str, state: &str| {

@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_answer_has_its_row() {
+    fn profile_decides_each_kind_of_answer() {
         let near = Some(200);
         for (profile, question, likelihood, ahead, expected) in [
             (Profile::TRAINED, false, Some(-10), None, Decision::Act),

@@ -132,7 +132,7 @@ fn answers_of_servers_are_read() {
 
 /// The replies of a model under a grammar, with their likelihoods, and what becomes of them.
 #[test]
-fn the_table_decides_about_answers_under_a_grammar() {
+fn decision_table_covers_answers_under_a_grammar() {
     let (domain, world) = kitchen();
     let butter = "put(butter, counter)";
     let sure = "Should I put the butter at the counter?";
@@ -199,7 +199,7 @@ fn the_table_decides_about_answers_under_a_grammar() {
 }
 
 #[test]
-fn later_words_are_turns_of_the_conversation() {
+fn request_sends_later_words_as_conversation_turns() {
     let (domain, world) = kitchen();
     let rounds = [Round {
         reply: "put(butter, counter)".to_owned(),

@@ -59,7 +59,7 @@ fn in_thread<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T 
 }
 
 #[test]
-fn no_input_costs_more_than_its_ceiling() {
+fn no_input_exceeds_its_effort_ceiling() {
     let mut over = Vec::new();
     for row in chosen() {
         let (name, ceiling, make) = (row.name, row.ceiling, row.make);
@@ -84,7 +84,7 @@ fn no_input_costs_more_than_its_ceiling() {
 }
 
 #[test]
-fn nothing_is_called_good_when_its_budget_is_spent() {
+fn exhausted_budget_never_yields_a_positive_result() {
     for row in chosen() {
         let (name, make) = (row.name, row.make);
         in_thread(move || {

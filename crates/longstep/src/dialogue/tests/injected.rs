@@ -203,7 +203,7 @@ fn a_name_stays_on_its_line() {
 }
 
 #[test]
-fn what_is_usual_is_left_as_it_is() {
+fn prompt_keeps_ordinary_punctuation_in_instructions() {
     let domain = household();
     let world = kitchen(&domain, "<plum_2>");
     for text in [

@@ -22,7 +22,7 @@ fn check(file: &str, text: &str, expected: &str) {
 }
 
 #[test]
-fn every_shipped_domain_tells_all_parts() {
+fn shipped_domains_have_all_prompt_parts() {
     for name in shipped_names() {
         let domain = shipped(name).unwrap().unwrap();
         let parts = fixed_parts(&domain).unwrap();
@@ -39,7 +39,7 @@ fn every_shipped_domain_tells_all_parts() {
 }
 
 #[test]
-fn everything_that_the_domain_has_is_told_once() {
+fn prompt_describes_actions_states_and_rules_of_the_domain() {
     let domain = shipped("virtualhome").unwrap().unwrap();
     let parts = fixed_parts(&domain).unwrap();
     let actions = &parts[1].messages[0].text;
@@ -64,7 +64,7 @@ fn everything_that_the_domain_has_is_told_once() {
 }
 
 #[test]
-fn every_answer_that_is_shown_can_be_read() {
+fn example_answers_in_prompts_can_be_read() {
     for name in shipped_names() {
         let domain = shipped(name).unwrap().unwrap();
         let parts = fixed_parts(&domain).unwrap();
@@ -86,7 +86,7 @@ fn every_answer_that_is_shown_can_be_read() {
 }
 
 #[test]
-fn a_folder_of_one_s_own_replaces_one_part_and_no_other() {
+fn custom_prompt_file_replaces_only_its_own_part() {
     let domain = household("role.md", "You work for {{ name }}.");
     let (ours, theirs) = (
         fixed_parts(&domain).unwrap(),
@@ -125,7 +125,7 @@ const SCENE: &str = "[example.environment]\nassets = [\"<sill>\", \"<crate>\"]\n
                      [example.environment.object_states]\n\"<pear>\" = \"on_something(<sill>)\"\n";
 
 #[test]
-fn examples_that_are_none_are_told_with_file_and_line() {
+fn prompt_example_errors_name_file_and_line() {
     let example = |more: &str| format!("[[example]]\ninstruction = \"Move the pear\"\n{more}\n{SCENE}");
     check("plans.toml", "", "");
     check("plans.toml", &example("goal = \"put(pear, crate)\""), "");
@@ -171,13 +171,13 @@ fn examples_that_are_none_are_told_with_file_and_line() {
 }
 
 #[test]
-fn the_starter_s_plans_are_good() {
+fn starter_domain_has_valid_prompt_parts() {
     let domain = load(&Files::from_texts("porter/", starter("porter"))).unwrap();
     assert_eq!(broken_parts(&domain), []);
 }
 
 #[test]
-fn a_file_that_nothing_reads_keeps_a_domain_from_loading() {
+fn domain_load_rejects_unknown_prompt_files() {
     let mut files = shipped_files("household").unwrap();
     files.parts.insert("roles.md".to_owned(), String::new());
     let findings = load(&files).unwrap_err().to_string();

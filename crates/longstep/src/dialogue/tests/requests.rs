@@ -82,7 +82,7 @@ fn check(less: u64, expected: Option<(usize, usize)>) {
 }
 
 #[test]
-fn history_goes_first_and_then_what_the_instruction_hardly_concerns() {
+fn request_drops_history_before_less_relevant_entities() {
     check(0, Some((0, 0)));
     check(1, Some((1, 0)));
     check(500, Some((5, 0)));
@@ -92,7 +92,7 @@ fn history_goes_first_and_then_what_the_instruction_hardly_concerns() {
 }
 
 #[test]
-fn rounds_follow_the_query_and_are_never_dropped() {
+fn request_keeps_all_rounds_after_the_query() {
     let domain = shipped("household").unwrap().unwrap();
     let world = attic(&domain, 2);
     let mut counter = EstimatedTokens::default();
@@ -140,7 +140,7 @@ pub(super) fn check_strict(schema: &Value) {
 }
 
 #[test]
-fn the_schema_is_strict_and_lists_what_there_is() {
+fn direct_schema_is_strict_and_lists_calls_and_entities() {
     let domain = shipped("household").unwrap().unwrap();
     let world = attic(&domain, 3);
     let schema = direct_schema(&world);
@@ -195,7 +195,7 @@ fn a_schema_that_would_be_too_large_is_looser() {
 }
 
 #[test]
-fn the_constraint_is_of_what_is_shown() {
+fn request_constraint_contains_only_shown_entities() {
     let domain = shipped("household").unwrap().unwrap();
     let world = attic(&domain, 200);
     let mut counter = EstimatedTokens::default();

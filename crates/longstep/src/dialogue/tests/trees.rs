@@ -42,7 +42,7 @@ fn check(domain: &str, expected: &[&str]) {
 }
 
 #[test]
-fn a_domain_is_told_of_the_forms_that_its_plans_can_have() {
+fn prompt_describes_only_plan_forms_of_the_domain() {
     check("household", &["task_sequence"]);
     let checks = ["task_tree", "\"if\"", "\"while\"", "Tells which is so"];
     check("household-checks", &checks);
