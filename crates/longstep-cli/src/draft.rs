@@ -13,11 +13,10 @@ use longstep_core::verify::VerifiedPlan;
 use longstep_llm::load_domain;
 
 use crate::arguments::{DraftArguments, domain_or_default, required};
-use crate::exit_code;
 use crate::failure::Failure;
 use crate::output::{self, Form};
 use crate::plan_domain::{changed_domain, is_foreign as is_foreign_to, knows_no_step, other_domain, wrong_domain};
-use crate::{inputs, problem, show};
+use crate::{exit_code, inputs, problem, show};
 
 /// A plan file, read and resolved.
 pub(crate) struct Draft {

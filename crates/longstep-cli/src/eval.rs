@@ -11,16 +11,16 @@ use longstep::domain::{Domain, Files};
 use longstep::session::{RepairPolicy, Settings, Strategy};
 use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
 use longstep_eval::suite::{self, PLAIN, Suite};
-use longstep_eval::{Campaign, Changes, Choice, Opened, Recorded, Source, Summary, domain_sha256, lengths, units};
-use longstep_eval::{compare, report};
+use longstep_eval::{
+    Campaign, Changes, Choice, Opened, Recorded, Source, Summary, compare, domain_sha256, lengths, report, units,
+};
 use longstep_files::overlay_prompt;
 use longstep_llm::{AdvanceError, ModelError, ModelReference};
 
 use crate::arguments::{EvalArguments, EvalCommand, ModelArguments};
-use crate::ask;
-use crate::exit_code;
 use crate::failure::{Failure, MODEL};
 use crate::output::{self, counted, print_line, remark};
+use crate::{ask, exit_code};
 use progress::Bar;
 
 pub(crate) fn run(arguments: &EvalArguments) -> Result<u8> {

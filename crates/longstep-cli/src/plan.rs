@@ -9,10 +9,8 @@ use longstep_llm::advance;
 use crate::arguments::{PlanArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
-use crate::exit_code;
 use crate::failure::{Failure, LIMIT, MODEL};
-use crate::solve;
-use crate::{explain, inputs, lanes, output};
+use crate::{exit_code, explain, inputs, lanes, output, solve};
 
 /// Limit for the length of an instruction, in characters.
 const INSTRUCTION_LIMIT: usize = 2000;

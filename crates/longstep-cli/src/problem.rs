@@ -4,17 +4,15 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use longstep::report;
-use longstep::report::{Answer, Status};
+use longstep::report::{self, Answer, Status};
 use longstep_core::pddl::{self, Problem};
 use longstep_core::verify::Purpose;
 use longstep_files::read_text;
 
 use crate::arguments::SolveArguments;
 use crate::clock::{milliseconds, stopwatch};
-use crate::exit_code;
 use crate::output::print_line;
-use crate::{inputs, show};
+use crate::{exit_code, inputs, show};
 
 pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8> {
     let started = Instant::now();

@@ -10,8 +10,7 @@ use serde_json::Value;
 
 use crate::arguments::SessionCommand;
 use crate::clock::stopwatch;
-use crate::output;
-use crate::output::{Style, counted, print_line};
+use crate::output::{self, Style, counted, print_line};
 
 /// Limit for an instruction in a table, in characters.
 const SHOWN: usize = 60;

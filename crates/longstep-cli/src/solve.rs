@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use longstep::goal::{self, Goal};
-use longstep::report;
-use longstep::report::{Answer, Status};
+use longstep::report::{self, Answer, Status};
 use longstep_core::environment::World;
 use longstep_core::model::DomainData;
 use longstep_core::pddl::{self, WriteError};
@@ -14,10 +13,9 @@ use longstep_llm::load_domain;
 
 use crate::arguments::{SolveArguments, domain_or_default, required};
 use crate::clock::{milliseconds, stopwatch};
-use crate::exit_code;
 use crate::failure::Failure;
 use crate::output::{self, Line, print_line, remark};
-use crate::{inputs, lanes, problem, show};
+use crate::{exit_code, inputs, lanes, problem, show};
 
 pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let started = Instant::now();

@@ -8,9 +8,7 @@ use longstep::report::Status;
 use crate::arguments::VerifyArguments;
 use crate::clock::milliseconds;
 use crate::draft::Draft;
-use crate::exit_code;
-use crate::output;
-use crate::show;
+use crate::{exit_code, output, show};
 
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     let started = Instant::now();

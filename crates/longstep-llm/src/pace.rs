@@ -8,8 +8,7 @@ use longstep::dialogue::Forecast;
 use serde::{Deserialize, Serialize};
 
 use crate::Progress;
-use longstep_files::read_bounded;
-use longstep_files::write_whole;
+use longstep_files::{read_bounded, write_whole};
 
 /// The file of speeds in the cache.
 const FILE: &str = "speeds.json";

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use longstep::session::{Entry, Event, Log, LogError, Session};
 
-use longstep_files::write_whole;
-use longstep_files::{LOG_LIMIT, read_bounded, read_to_limit};
-use longstep_files::{create_private_folder, restrict, tighten_folder};
+use longstep_files::{
+    LOG_LIMIT, create_private_folder, read_bounded, read_to_limit, restrict, tighten_folder, write_whole,
+};
 
 /// The name of the log in a session's folder.
 pub const LOG: &str = "session.jsonl";

@@ -10,8 +10,7 @@ use longstep_core::{secret, visible};
 use serde::{Deserialize, Serialize};
 
 use crate::error::RobotError;
-use crate::lock;
-use crate::processes;
+use crate::{lock, processes};
 
 /// The beginning and the end of the names of presence files.
 const NAME: (&str, &str) = ("program-", ".alive");

@@ -2,11 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
-use longstep_model::domain;
-use longstep_model::environment;
 use longstep_model::json::Path;
-use longstep_model::model::Domain;
-use longstep_model::model::{Environment, World};
+use longstep_model::model::{Domain, Environment, World};
+use longstep_model::{domain, environment};
 use longstep_search::goal;
 use longstep_search::search::{Limits, Outcome, solve};
 use longstep_verify::verify::{VerifiedPlan, check};

@@ -3,9 +3,8 @@
 
 mod person;
 
-use longstep_core::domain;
-use longstep_core::environment;
 use longstep_core::skill::Skills;
+use longstep_core::{domain, environment};
 use longstep_teach::{
     Demonstration, Expectations, Format, Hand, Lesson, Request, cut, cut_at_times, learn, one_each, skills_file,
     step_times,

@@ -7,8 +7,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use longstep::domain::{self};
-use longstep::goal;
+use longstep::{domain, goal};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::plan::{TaskCohesion, resolve};

@@ -10,9 +10,8 @@
 )]
 
 use longstep::domain::{self, Domain, Files};
-use longstep::goal;
-use longstep::report;
 use longstep::report::Assessment;
+use longstep::{goal, report};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::plan::{self, Node};

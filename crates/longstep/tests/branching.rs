@@ -2,8 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use longstep::domain::{self, Domain};
-use longstep::report::Assessment;
-use longstep::report::{Answer, Status};
+use longstep::report::{Answer, Assessment, Status};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::plan::{self, PlanFile, TaskCohesion, Written, script};

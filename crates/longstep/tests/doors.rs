@@ -1,8 +1,7 @@
 //! Doors in the shipped household domains: a plan leaves them as it found them, unless the goal says otherwise.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
-use longstep::domain;
-use longstep::goal;
+use longstep::{domain, goal};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::plan::Plan;

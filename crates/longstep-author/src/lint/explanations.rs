@@ -6,8 +6,7 @@ use super::names::words_of;
 use super::places::{Place, Places};
 use super::reach::Reach;
 use super::{Finding, Lint, quoted};
-use longstep::domain::Atom;
-use longstep::domain::{Domain, GoalWord, Parameter, Template, plain_words};
+use longstep::domain::{Atom, Domain, GoalWord, Parameter, Template, plain_words};
 use longstep::goal::{QUESTION, read_form};
 
 pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) -> Vec<Finding> {

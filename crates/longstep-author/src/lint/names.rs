@@ -6,8 +6,7 @@
 use super::places::{Place, Places};
 use super::reach::Reach;
 use super::{Finding, Lint};
-use longstep::domain::{Action, Domain, Parameter, TypeId};
-use longstep::domain::{Atom, Condition};
+use longstep::domain::{Action, Atom, Condition, Domain, Parameter, TypeId};
 
 /// A name with the types of its written arguments.
 struct Named<'a> {

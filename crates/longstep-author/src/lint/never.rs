@@ -5,8 +5,7 @@ use super::places::Places;
 use super::reach::{Obstacle, Reach, kinds};
 use super::reads::Reads;
 use super::{Finding, Lint, quoted};
-use longstep::domain::{Action, Domain, Parameter, PredicateId};
-use longstep::domain::{Condition, Term, When};
+use longstep::domain::{Action, Condition, Domain, Parameter, PredicateId, Term, When};
 
 pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, reads: &Reads, places: &Places<'_>) -> Vec<Finding> {
     let mut family = Family {

@@ -2,10 +2,9 @@
 
 use toml::Spanned;
 
-use longstep::domain::Files;
-use longstep::domain::content_position;
 use longstep::domain::sexpr::{self, Expression};
 use longstep::domain::words::DomainFile;
+use longstep::domain::{Files, content_position};
 use longstep_core::diagnostic::Position;
 
 /// A position in one of the files of a domain.

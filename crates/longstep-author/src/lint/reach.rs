@@ -4,8 +4,7 @@
 //! its types, and every fact can be false. It is sound for impossibility: what it rejects is impossible, but some of
 //! what it accepts is impossible too.
 
-use longstep::domain::{Action, Domain, Literal, Parameter, PredicateId, TypeId, Unknown};
-use longstep::domain::{Atom, Condition, Term, When};
+use longstep::domain::{Action, Atom, Condition, Domain, Literal, Parameter, PredicateId, Term, TypeId, Unknown, When};
 
 /// Reason why a condition can never hold.
 #[derive(Debug, Clone, PartialEq, Eq)]

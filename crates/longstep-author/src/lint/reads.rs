@@ -2,8 +2,7 @@
 
 use super::places::Places;
 use super::{Finding, Lint, quoted};
-use longstep::domain::Condition;
-use longstep::domain::{Action, Domain, Effect, Parameter, PredicateId, TypeId, Unknown};
+use longstep::domain::{Action, Condition, Domain, Effect, Parameter, PredicateId, TypeId, Unknown};
 
 /// Readers of each predicate, by predicate.
 pub(super) struct Reads {

@@ -19,11 +19,11 @@ pub mod words;
 pub use crate::model::{
     Action, ActionId, Application, Arithmetic, Atom, Comparison, Condition, DefaultFact, Derivation, DerivedPredicate,
     Domain, DomainData, Effect, EnvironmentTypes, FormPiece, Function, FunctionId, GoalWord, GoalWordId, Lexicon,
-    Literal, NumberTest, NumericEffect, NumericExpression, Parameter, Predicate, PredicateId, PredicateWords,
-    PropertyWord, RepairCosts, Rule, RuleTime, Slot, SpatialRelation, StateWord, Template, Term, TypeId, Types,
-    Unknown, When, base_name, ends_with, head, label, matches_name, phrase, plain_words, singular, stem,
+    Literal, NumberTest, NumericEffect, NumericExpression, OutOfRange, Parameter, Predicate, PredicateId,
+    PredicateWords, PropertyWord, QuantityForm, RepairCosts, Rule, RuleTime, Slot, SpatialRelation, StateWord,
+    Template, Term, TypeId, Types, Unknown, Value, ValueForm, ValueMention, ValueType, When, base_name, ends_with,
+    head, label, matches_name, phrase, plain_words, singular, stem,
 };
-pub use crate::model::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use bare::{DeclarationPositions, ForeignDomain, from_pddl, from_pddl_for, read_foreign};
 pub use files::Files;
 pub use load::{content_position, load, load_with_findings, read_toml};

@@ -1,7 +1,7 @@
 //! Tests that read environments and write them.
 
 use super::*;
-use crate::domain::{self};
+use crate::domain;
 use crate::json::Path;
 use crate::model::Domain;
 

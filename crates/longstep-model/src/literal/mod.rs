@@ -10,8 +10,7 @@ mod leniency;
 mod parser;
 mod quoted;
 
-pub use leniency::Notes;
-pub use leniency::{Leniency, LeniencyKind};
+pub use leniency::{Leniency, LeniencyKind, Notes};
 pub use parser::{FENCE, Reason};
 
 use crate::json::Path;

@@ -3,10 +3,9 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use super::id;
 use super::{
     Atom, Condition, Effect, EntityId, Fact, FunctionId, Lexicon, Number, NumericEffect, NumericExpression,
-    SkillParameter, SpatialRelation, Template, ValueType,
+    SkillParameter, SpatialRelation, Template, ValueType, id,
 };
 
 id!(

@@ -46,10 +46,10 @@ pub use domain::{
     RepairCosts, Rule, RuleTime, StateWord, TypeId, Types, Unknown,
 };
 pub use environment::{Environment, EnvironmentError, Words};
-pub use evaluate::{Bindings, Moment, holds};
-pub use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term, static_value, unify};
-pub use fact::ChangedLists;
-pub use fact::{EntityId, Fact, FactSet, State};
+pub use evaluate::{
+    Bindings, Moment, ever_candidates, for_candidates, for_matching, ground, grounded_term, holds, static_value, unify,
+};
+pub use fact::{ChangedLists, EntityId, Fact, FactSet, State};
 pub(crate) use id::id;
 pub(crate) use label::{NameForms, unified};
 pub use label::{base_name, ends_with, label, matches_name, stem};
@@ -58,20 +58,16 @@ pub use lexicon::{Lexicon, head, plain_words, singular};
 pub(crate) use naming::name_entities;
 pub use naming::{Voice, change_text, fact_text, fluent_text};
 pub use number::Number;
-pub use numeric_effect::{NumberChangeKind, NumericEffect};
-pub use numeric_effect::{applicability, assigned};
+pub use numeric_effect::{NumberChangeKind, NumericEffect, applicability, assigned};
 pub use prohibition::{Prohibition, StepPattern};
 pub use relation::SpatialRelation;
 pub use rules::broken_bindings;
-pub use simulate::{Missing, Shortfall, apply, unmet};
-pub use simulate::{apply_onto, fired, rests_on};
+pub use simulate::{Missing, Shortfall, apply, apply_onto, fired, rests_on, unmet};
 pub use skill::{SkillFit, SkillParameter, SkillSource, SkillType};
-pub use support::StateVariable;
-pub use support::support;
+pub use support::{StateVariable, support};
 pub use template::{Template, phrase};
 pub use trace::{Change, Changes, Ending, NumberChange, StepId, Trace};
 pub use value::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use wanted::Wanted;
 pub use wording::{entries_of, entry_of_number, state_word, subject_of, written_fact};
-pub use world::ENTITY_LIMIT;
-pub use world::{AssumptionSource, Entity, World};
+pub use world::{AssumptionSource, ENTITY_LIMIT, Entity, World};

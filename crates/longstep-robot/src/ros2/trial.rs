@@ -7,8 +7,8 @@ use longstep_core::model::Domain;
 use serde_json::Value;
 
 use super::configuration::{Configuration, Origin};
-use super::message;
-use super::{Ros2, link::Answer};
+use super::link::Answer;
+use super::{Ros2, message};
 use crate::drive::reports;
 use crate::error::RobotError;
 use crate::robot::Robot;

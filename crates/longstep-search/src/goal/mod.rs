@@ -30,8 +30,7 @@ mod tests;
 
 pub use choice::Choice;
 pub use comparison::{NumberGoal, Operand};
-pub use conditional::Conditional;
-pub use conditional::{AND, ELSE, IF, NOT, THEN, WrittenConditional};
+pub use conditional::{AND, Conditional, ELSE, IF, NOT, THEN, WrittenConditional};
 pub use constraint::{ALWAYS, Constraint, NEVER, UNTIL};
 pub use error::GoalError;
 pub use group::{Group, Quantifier};

@@ -1,10 +1,9 @@
 use super::*;
 use crate::goal;
 use crate::search::{Limits, Outcome, solve};
-use longstep_model::domain::{self};
-use longstep_model::environment::{self};
 use longstep_model::json::Path;
 use longstep_model::model::{Domain, Environment};
+use longstep_model::{domain, environment};
 use longstep_verify::plan::{Plan, Step};
 use longstep_verify::verify::{Purpose, check};
 

@@ -23,8 +23,7 @@ use target::Meant;
 
 use crate::search::{Found, Limits, Requirements, Scope, WhyNot, cheapest, greedy, reduce, why_not};
 use longstep_model::effort;
-use longstep_model::model::Domain;
-use longstep_model::model::{EntityId, Fact, World};
+use longstep_model::model::{Domain, EntityId, Fact, World};
 use longstep_verify::plan::{Plan, Resolved};
 use longstep_verify::verify::{Purpose, VerifiedPlan, Violation, bind_as_far, check};
 

@@ -13,8 +13,7 @@ use longstep_model::environment::{self, Claim};
 use longstep_model::json::Path;
 use longstep_model::model::{ActionId, EntityId, Environment, Moment, State, holds};
 use longstep_verify::plan::{Plan, PlanFile, TaskCohesion, resolve};
-use longstep_verify::verify;
-use longstep_verify::verify::{Report, apply, can_apply, unmet};
+use longstep_verify::verify::{self, Report, apply, can_apply, unmet};
 
 const KITCHEN: &str = r#"{
     "assets": ["<desk_1>", "<oven_2>", "<sink_3>", "<faucet_7>"],

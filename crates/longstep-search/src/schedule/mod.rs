@@ -17,8 +17,7 @@ pub use footprint::independent;
 pub use makespan::{Makespan, Row, makespan, timetable};
 pub use spread::{share, spread};
 
-use longstep_model::model::Domain;
-use longstep_model::model::EntityId;
+use longstep_model::model::{Domain, EntityId};
 use longstep_verify::plan::Step;
 
 /// Returns the actors of the steps, each once, sorted.

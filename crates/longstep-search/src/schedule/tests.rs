@@ -3,10 +3,9 @@
 use super::*;
 use crate::goal;
 use crate::search::{Limits, Outcome, solve};
-use longstep_model::domain;
-use longstep_model::environment::{self};
 use longstep_model::json::Path;
 use longstep_model::model::{Environment, World};
+use longstep_model::{domain, environment};
 use longstep_verify::plan::{Lane, LaneItem, Node, Plan, Step, StepId, TaskCohesion, Test, resolve};
 use longstep_verify::verify::{Purpose, VerifiedPlan, bind, check};
 

@@ -1,9 +1,8 @@
 //! Resolution of conditions: each call in a condition is a sensing action or a state predicate.
 
-use super::Violation;
 use super::resolve::Resolver;
 use super::written::{WrittenStep, predicate_word};
-use super::{StepId, Test, fuzzy_names};
+use super::{StepId, Test, Violation, fuzzy_names};
 use longstep_model::diagnostic::nearest;
 use longstep_model::model::{Action, ActionId, Atom, Domain, EntityId, Fact, PredicateId, StateWord, Term, ground};
 

@@ -16,8 +16,7 @@ mod written;
 
 pub use longstep_model::model::StepId;
 pub use outline::{OutlineLine, outline};
-pub use paper::endings;
-pub use paper::{ChoiceFile, EndingFile, PlanDomain, PlanFile, PurposeFile, TaskCohesion};
+pub use paper::{ChoiceFile, EndingFile, PlanDomain, PlanFile, PurposeFile, TaskCohesion, endings};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
 pub use script::ScriptError;

@@ -2,8 +2,7 @@
 
 use super::tree::{Lane, Rebuild};
 use super::written::{Written, WrittenStep};
-use super::{Assumption, StepClaim, Violation};
-use super::{Node, Step, StepId, TaskCohesion, Test, claims, fuzzy_names};
+use super::{Assumption, Node, Step, StepClaim, StepId, TaskCohesion, Test, Violation, claims, fuzzy_names};
 use longstep_model::call::Call;
 use longstep_model::diagnostic::nearest;
 use longstep_model::environment::fact_of;

@@ -8,8 +8,7 @@
 use rustc_hash::FxHashSet;
 
 use super::rules::{breaks_a_rule, broken_rules_at_end};
-use super::{Assumption, Missing, Violation};
-use super::{apply, unmet};
+use super::{Assumption, Missing, Violation, apply, unmet};
 use crate::plan::claims::split_claims;
 use crate::plan::{DraftStep, Plan, Step};
 use longstep_model::effort;

@@ -5,8 +5,7 @@
 //! known from there on, like outcomes of sensing.
 
 use super::bind::{Learned, Turn, bind_way, bound, learn, nothing_fits};
-use super::claims;
-use super::{Assumption, Violation};
+use super::{Assumption, Violation, claims};
 use crate::plan::{DraftStep, Node, Plan, Resolved, StepId, Test, lanes, tree};
 use longstep_model::effort;
 use longstep_model::environment::Claim;

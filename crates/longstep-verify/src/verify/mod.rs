@@ -17,15 +17,12 @@ pub(crate) mod tests;
 mod walk;
 mod way;
 
-pub use bind::bind;
-pub use bind::{Candidate, candidates};
-pub use bind::{bind_as_far, claimed_places};
+pub use bind::{Candidate, bind, bind_as_far, candidates, claimed_places};
 pub use bind_tree::bind_tree;
 pub use order::Progress;
 pub use reachability::{can_apply, can_be_brought_about, possibly};
-pub use rules::Waiver;
-pub use rules::broken_at_end;
 use rules::wanted_at_end;
+pub use rules::{Waiver, broken_at_end};
 pub use walk::STATES;
 
 pub use crate::plan::{Assumption, StepClaim, Violation};

@@ -4,8 +4,7 @@ use super::Inlined;
 use crate::environment::World;
 use crate::plan::{Draft, PlanFile, TaskCohesion};
 use crate::repair::RepairOutcome;
-use crate::report::Answer;
-use crate::report::Assessment;
+use crate::report::{Answer, Assessment};
 use crate::verify::VerifiedPlan;
 
 /// A composition with its stored plans inlined, resolved in the current world.

@@ -1,7 +1,6 @@
 //! The form of direct answers, in few-shot examples and in the request's schema.
 
 use indexmap::IndexMap;
-use longstep_core::model::state_word;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -13,7 +12,7 @@ use crate::call::Call;
 use crate::environment::{EntityId, Environment, World};
 use crate::model::{Action, TypeId};
 use crate::plan::{PlanFile, TaskCohesion, write_tree};
-use longstep_core::model::Domain;
+use longstep_core::model::{Domain, state_word};
 
 /// A whole answer with all keys.
 #[derive(Debug, Serialize)]

@@ -11,12 +11,9 @@ use super::reply::{AnswerText, StateLists};
 use super::{Message, Role};
 use crate::diagnostic::{Diagnostic, Position};
 use crate::environment::{self, Environment, World};
-use crate::model::Domain;
-use crate::model::Source;
+use crate::model::{Domain, Source};
 use crate::plan::{self, Draft, PlanFile, TaskCohesion, script};
-use crate::report::Assessment;
-use crate::report::{self, Solution};
-use crate::report::{Answer, Status};
+use crate::report::{self, Answer, Assessment, Solution, Status};
 use crate::verify::VerifiedPlan;
 use crate::{goal, json};
 

@@ -1,10 +1,8 @@
 //! Goals that depend on sensing: notation, parsing, grammar and interpretation.
 
 use super::*;
-use crate::domain;
-use crate::domain::Domain;
-use crate::environment::World;
-use crate::environment::{self, Environment};
+use crate::domain::{self, Domain};
+use crate::environment::{self, Environment, World};
 use crate::json::Path;
 
 fn kitchen() -> (Domain, World) {

@@ -1,10 +1,8 @@
 //! Goals, and references that several things fit, as tables.
 
 use super::*;
-use crate::domain;
-use crate::domain::Domain;
-use crate::environment::World;
-use crate::environment::{self, Environment};
+use crate::domain::{self, Domain};
+use crate::environment::{self, Environment, World};
 use crate::json::Path;
 
 fn world(domain: &Domain, text: &str) -> World {

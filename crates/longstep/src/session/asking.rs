@@ -1,11 +1,9 @@
 //! Model requests and replies.
 
-use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct};
+use super::pending::{Asking, What};
+use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Strategy, Turn, direct};
 use crate::dialogue::{Dialogue, DialogueError, Finish, Prepared, PromptError, Reply, TokenCounter};
 use crate::feedback::{FeedbackDialogue, FeedbackInput, Wish};
-
-use super::Strategy;
-use super::pending::{Asking, What};
 
 impl Session {
     /// Creates a request according to the strategy.

@@ -9,8 +9,7 @@ use crate::feedback;
 use crate::model::Domain;
 use crate::plan;
 use crate::repair::RepairOutcome;
-use crate::report::Assessment;
-use crate::report::Status;
+use crate::report::{Assessment, Status};
 use crate::verify::VerifiedPlan;
 
 /// Returns a round with feedback. Its reply is the proposed plan after repair, since the feedback refers to that plan.

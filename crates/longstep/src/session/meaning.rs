@@ -7,8 +7,7 @@ use crate::dialogue::{Dialogue, DialogueError, Prepared, PromptError, Reply, Rou
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
 use crate::goal::{self, Goal, SpelledOut};
-use crate::report;
-use crate::report::Answer;
+use crate::report::{self, Answer};
 use crate::search::Limits;
 use crate::understanding::{FittedUnderstanding, Interpretation, Understanding, UnderstandingInput};
 

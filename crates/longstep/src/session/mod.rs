@@ -85,8 +85,7 @@ use crate::dialogue::{ConstraintKind, Counting, Message, Prepared, PromptError, 
 use crate::environment::World;
 use crate::model::Domain;
 use crate::plan::PlanFile;
-use crate::report::Answer;
-use crate::report::Stopwatch;
+use crate::report::{Answer, Stopwatch};
 use crate::search::Limits;
 
 use observed::{Pending, Taken};

@@ -1,8 +1,7 @@
 //! Requests for a meaning, and replies to them.
 
 use super::{Examples, Understanding, UnderstandingInput};
-use crate::dialogue::Decision;
-use crate::dialogue::{Constraint, ConstraintKind, Dialogue, Finish, Likelihood, Reply, Round};
+use crate::dialogue::{Constraint, ConstraintKind, Decision, Dialogue, Finish, Likelihood, Reply, Round};
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, World};
 

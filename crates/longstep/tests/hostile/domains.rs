@@ -1,8 +1,7 @@
 //! Domains of somebody's own: read, linted, grounded, searched; problems for planners.
 
 use longstep::domain::{self, Files};
-use longstep::report;
-use longstep::report::Status;
+use longstep::report::{self, Status};
 use longstep_core::pddl;
 use longstep_core::verify::Purpose;
 

@@ -3,8 +3,7 @@
 use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, direct_request};
 use longstep::domain::Domain;
 use longstep::goal::{self, Mentions};
-use longstep::report;
-use longstep::report::Status;
+use longstep::report::{self, Status};
 use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::environment::World;
 use serde_json::Value;

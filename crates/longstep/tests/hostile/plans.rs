@@ -1,8 +1,7 @@
 //! Plans, verified and repaired: as replies, as scripts, composed of stored ones.
 
 use longstep::compose::{self, Composed, CompositionAnswer, Stored};
-use longstep::report::Assessment;
-use longstep::report::Status;
+use longstep::report::{Assessment, Status};
 use longstep_core::plan::{self, Draft, PlanFile, TaskCohesion, script};
 use longstep_core::schedule;
 use serde_json::{Value, json};

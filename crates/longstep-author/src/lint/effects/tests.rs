@@ -2,8 +2,7 @@
 
 use crate::lint::{Lint, lint};
 use crate::new_domain::{Answers, from_answers};
-use longstep::domain::Files;
-use longstep::domain::{load, starter};
+use longstep::domain::{Files, load, starter};
 
 macro_rules! example {
     ($name:literal) => {

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::super::{EditKind, Pins, Reach, RepairOutcome, Unwanted, repair, repair_pinned};
-use longstep_model::domain::{self};
+use longstep_model::domain;
 use longstep_model::environment::{self, Claim};
 use longstep_model::json::Path;
 use longstep_model::model::{Domain, Environment, World};

@@ -2,9 +2,8 @@
 
 use std::rc::Rc;
 
-use crate::search::GroundAction;
-use crate::search::cost;
 use crate::search::task::Task;
+use crate::search::{GroundAction, cost};
 use longstep_model::effort;
 use longstep_model::model::{Domain, Fact, Number, World};
 use longstep_verify::plan::{Node, Plan, Step, StepId, Test};

@@ -1,11 +1,9 @@
 use super::*;
 use crate::goal;
-use longstep_model::domain;
-use longstep_model::environment::{self};
 use longstep_model::json::Path;
 use longstep_model::model::Environment;
-use longstep_verify::plan::Plan;
-use longstep_verify::plan::{Node, Test};
+use longstep_model::{domain, environment};
+use longstep_verify::plan::{Node, Plan, Test};
 use longstep_verify::verify::check as verify;
 
 fn scene(states: &str) -> (longstep_model::model::Domain, World) {

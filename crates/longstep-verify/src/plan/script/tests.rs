@@ -239,8 +239,10 @@ mod random {
 
     use super::super::{read, write};
     use crate::plan::tree::Lane;
-    use crate::plan::{self, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep};
-    use crate::plan::{read_tree, write_tree};
+    use crate::plan::{
+        self, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep, read_tree,
+        write_tree,
+    };
     use longstep_model::call::Call;
     use longstep_model::json::Path;
 

@@ -2,10 +2,9 @@
 
 use super::super::*;
 use crate::plan::{TaskCohesion, resolve};
-use longstep_model::domain;
-use longstep_model::environment::{self};
 use longstep_model::json::Path;
 use longstep_model::model::Environment;
+use longstep_model::{domain, environment};
 
 const KITCHEN: &str = r#"{
     "assets": ["<desk_1>", "<oven_2>", "<shelf_3>"],
