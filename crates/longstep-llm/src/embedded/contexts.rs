@@ -72,13 +72,13 @@ impl<'model> Contexts<'model> {
         let empty = || self.older.iter().position(|context| context.engine.is_empty());
         if let Some(place) = shared.map(|(_, place)| place).or_else(empty) {
             self.take(place);
-        } else if self.current.engine.is_empty() {
-            // It stays.
-        } else if self.older.len() + 1 < MOST {
-            let context = Context::new(self.model, self.size, self.threads, 0)?;
-            self.older.push(std::mem::replace(&mut self.current, context));
-        } else {
-            self.take(0);
+        } else if !self.current.engine.is_empty() {
+            if self.older.len() + 1 < MOST {
+                let context = Context::new(self.model, self.size, self.threads, 0)?;
+                self.older.push(std::mem::replace(&mut self.current, context));
+            } else {
+                self.take(0);
+            }
         }
         self.adapt(adapter)
     }
