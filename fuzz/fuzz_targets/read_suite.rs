@@ -1,6 +1,6 @@
 //! Any text is a file of cases, or findings; the same text is a list of recorded replies, or an error.
 //!
-//! What follows a line `----` is the scene of the cases, in place of a fixed one.
+//! The text after a line `----` is the scene of the cases, in place of a fixed one.
 #![no_main]
 
 use std::collections::BTreeSet;

@@ -26,7 +26,7 @@ pub(crate) struct Draft {
     goal: Option<Goal>,
     /// The goal of a PDDL problem.
     wanted: Vec<Wanted>,
-    /// What was assumed when the plan was read.
+    /// Assumptions made when the plan was read.
     notes: Vec<String>,
 }
 

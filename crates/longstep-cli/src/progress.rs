@@ -23,7 +23,7 @@ pub(crate) struct Spinner {
     wait: RefCell<Wait>,
 }
 
-/// What is being waited for.
+/// The current wait: its phase, its start, and the time of its last mention.
 #[derive(Debug)]
 struct Wait {
     phase: Phase,

@@ -147,7 +147,7 @@ fn recordings_can_be_cut_in_other_ways() {
     }
 }
 
-/// The same recording as a spreadsheet writes it: decimal commas, and times since the epoch.
+/// A spreadsheet writes the recording with decimal commas and with times since the epoch.
 #[test]
 fn a_spreadsheet_teaches_the_same_and_its_notes_are_shown() {
     let bench = Bench::new();

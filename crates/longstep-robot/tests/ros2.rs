@@ -609,11 +609,11 @@ enum Leftover {
     EndedBefore,
     /// The server accepts no cancellation.
     Refuses,
-    /// The same, with the answer of `rclpy`: there is nothing to cancel.
+    /// The server accepts no cancellation and answers as `rclpy` does: there is nothing to cancel.
     HasNothing,
     /// The cancellation is accepted, and the goal goes on.
     GoesOn,
-    /// The same, and the bridge lists no goals.
+    /// The cancellation is accepted, the goal goes on, and the bridge lists no goals.
     GoesOnUnlisted,
     /// The bridge does not answer a cancellation.
     Silent,
@@ -790,7 +790,7 @@ fn failed_steps_are_uncertain_if_the_bridge_withholds_heartbeats() {
     }
 }
 
-/// What rosbridge_suite answers for its parameter.
+/// Answers of rosbridge_suite for its parameter.
 #[test]
 fn a_bridge_without_threads_for_goals_is_found_before_anything_is_sent() {
     let asked = |kind: u64, value: bool| {

@@ -11,7 +11,7 @@ use crate::project::Project;
 /// The variable that names the domain.
 const DOMAIN_VARIABLE: &str = "LONGSTEP_DOMAIN";
 
-/// What a command takes from the project file.
+/// Values that a command takes from the project file.
 #[derive(Debug, Default)]
 pub(crate) struct Taken {
     /// The file; none before it was needed, or where there is none.

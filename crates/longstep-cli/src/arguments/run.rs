@@ -94,7 +94,7 @@ pub(crate) enum ApprovalArgument {
 /// The evidence that progress and the end need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TrustArgument {
-    /// What was observed since the last step that could have changed it; you are asked about the rest
+    /// Facts observed since the last step that could have changed them; you are asked about the rest
     Observed,
     /// Also what the robot says it did; the run says what nobody has seen
     Promised,

@@ -1,4 +1,4 @@
-//! What the terminal can show.
+//! Capabilities and size of the terminal.
 
 use std::io::IsTerminal;
 

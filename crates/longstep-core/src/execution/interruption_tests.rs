@@ -1,4 +1,4 @@
-//! What a look has shown is kept when the next step fails, when the program is killed, and when others act.
+//! Observed facts are kept when the next step fails, when the program is killed, and when others act.
 
 use super::evidence_tests::tank;
 use super::tests::{fact, household, kitchen, plan};
@@ -37,7 +37,7 @@ fn order(execution: &mut Execution) -> u64 {
     }
 }
 
-/// What the robot sees of the states of the lamps that are named.
+/// Returns an observation of the named lamps with their states.
 fn statements(seen: &[(&str, &str)]) -> Statements {
     let states = seen.iter().map(|(lamp, states)| {
         let states: Vec<String> = states.split_whitespace().map(str::to_owned).collect();

@@ -59,7 +59,7 @@ pub struct ForeignDomain {
     pub domain: Domain,
     /// The text in which this library would write it, if that is another one.
     pub rewritten: Option<String>,
-    /// What was rewritten or left out.
+    /// Notes on the parts that were rewritten or left out.
     pub notes: Vec<Diagnostic>,
     /// The places of its declarations.
     pub positions: DeclarationPositions,

@@ -21,7 +21,7 @@ pub struct Problem {
     pub world: World,
     /// The goal, as conditions that must all hold at the end.
     pub wanted: Vec<Wanted>,
-    /// What was left out or read in another way than it is written.
+    /// Notes on the parts that were left out or read in another way than they are written.
     pub notes: Vec<Diagnostic>,
 }
 

@@ -1,4 +1,4 @@
-//! What follows from an environment that does not state it: derivations from names, defaults, and what is assumed.
+//! Facts that an environment implies without stating them: derivations from names, defaults, and assumptions.
 
 use std::sync::Arc;
 

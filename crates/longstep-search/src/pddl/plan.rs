@@ -30,7 +30,7 @@ pub fn write_plan(world: &World, steps: &[Step]) -> String {
 pub struct ForeignPlan {
     /// Its steps, in the order in which they begin.
     pub steps: Vec<GroundAction>,
-    /// What was assumed about it, for a person.
+    /// Assumptions about the plan, for a person.
     pub notes: Vec<String>,
 }
 

@@ -16,7 +16,7 @@ use super::side::listed;
 /// The most bytes of all chunks of a recording, when they are unpacked.
 const UNPACKED: u64 = 512 << 20;
 
-/// What is done with the messages of a channel.
+/// Decoding of the messages of a channel.
 #[derive(Clone, Copy)]
 enum Reading {
     Json,
