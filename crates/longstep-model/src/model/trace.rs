@@ -102,4 +102,6 @@ pub struct Ending {
     pub trace: Trace,
     /// The state after the last step.
     pub after: State,
+    /// The cost of the steps, of the dearest path to this ending; none in a domain without costs, or if it is not known.
+    pub cost: Option<Number>,
 }

@@ -453,3 +453,20 @@ fn every_word_of_the_language_is_a_keyword() {
         assert!(longstep_model::call::is_goal_keyword(word.trim()), "{word}");
     }
 }
+
+#[test]
+fn goal_that_no_search_has_decided_is_not_called_impossible() {
+    let household = longstep_model::domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    let world = longstep_model::environment::parse(&household, "scene", text).unwrap();
+    let limits = Limits {
+        direct: 0,
+        proof: 0,
+        shortest: 0,
+        any: 0,
+        ..Limits::default()
+    };
+    let goal = parse(&world, "put(pen, shelf)").unwrap();
+    assert!(matches!(solve(&world, &goal.purpose(&world), &limits), Outcome::GaveUp { .. }));
+    assert_eq!(why_not(&world, &goal.purpose(&world), &limits).goals, []);
+}

@@ -398,7 +398,11 @@ impl Writer<'_, '_> {
                 changes.extend(numeric.map(|effect| effect.variable));
                 handles.extend(&choice.arguments);
                 if !always.is_empty() && operator.numeric.is_empty() {
-                    idle.push(Formula::and(always.into_iter().map(Formula::Literal)));
+                    let has_no_effect = operator
+                        .effects
+                        .iter()
+                        .map(|effect| Formula::or([effect.condition.negated(), Formula::Literal(effect.literal)]));
+                    idle.push(Formula::and(has_no_effect));
                 }
             }
             let forbidden = self.world.forbids(step.action, &choice.arguments).is_some();

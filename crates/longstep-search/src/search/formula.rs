@@ -29,6 +29,18 @@ impl Formula {
         *self == Self::FALSE
     }
 
+    /// Returns the formula that is true where this one is false.
+    pub(crate) fn negated(&self) -> Self {
+        match self {
+            Self::And(parts) => Self::or(parts.iter().map(Self::negated)),
+            Self::Or(parts) => Self::and(parts.iter().map(Self::negated)),
+            Self::Literal(literal) => Self::Literal(Literal {
+                holds: !literal.holds,
+                ..*literal
+            }),
+        }
+    }
+
     /// Returns the flattened conjunction.
     pub(crate) fn and(parts: impl IntoIterator<Item = Formula>) -> Self {
         let mut all = Vec::new();

@@ -66,7 +66,8 @@ impl Straight {
                 expanded,
             } => Outcome::Solved {
                 worst: steps.len() as u32,
-                at_least,
+                // The bound of a domain with costs is a cost, and this one counts steps.
+                at_least: if world.domain().has_costs() { 0 } else { at_least },
                 cost: cost::total(world, &steps),
                 plan: steps
                     .into_iter()
@@ -376,7 +377,7 @@ impl<'a> Search<'a> {
     }
 
     fn promise(&self, node: &SearchNode) -> u32 {
-        node.depth + self.weight * node.estimate
+        node.depth.saturating_add(self.weight.saturating_mul(node.estimate))
     }
 
     fn priority(&self, number: u32, preferred: bool) -> Priority {

@@ -51,8 +51,9 @@ pub(crate) use task::{Always, Task};
 pub use why_not::{Missing, WhyNot, why_not};
 
 use longstep_model::effort;
-use longstep_model::model::{ActionId, EntityId, Fact, Moment, World, apply, holds};
-use longstep_verify::verify::Purpose;
+use longstep_model::model::{ActionId, EntityId, Fact, World};
+use longstep_verify::plan::{Plan, Step};
+use longstep_verify::verify::{self, Purpose};
 use target::Target;
 
 pub use longstep_model::model::Wanted;
@@ -166,7 +167,7 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
         match outcome {
             outcome if scope.whole => return outcome,
             // A cheaper plan may use entities out of scope, so nothing is proven about the cost.
-            Straight::Solved { steps, expanded, .. } if reaches(world, &steps, &target.wanted) => {
+            Straight::Solved { steps, expanded, .. } if serves(world, &steps, target) => {
                 return Straight::Solved {
                     steps,
                     shortest: false,
@@ -185,20 +186,17 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
     }
 }
 
-/// Returns true if the steps are applicable in the whole world and achieve all wanted conditions.
-fn reaches(world: &World, steps: &[GroundAction], wanted: &[Wanted]) -> bool {
-    let mut state = world.state.clone();
-    // Quantified conditions range over more entities here than in the scope of the search.
-    let possible = steps.iter().all(|step| {
-        let action = world.domain().action(step.action);
-        let moment = Moment { world, state: &state };
-        let possible = holds(moment, &action.precondition, &mut step.arguments.clone());
-        apply(world, &mut state, action, &step.arguments);
-        possible
-    });
-    let moment = Moment { world, state: &state };
-    possible
-        && wanted
-            .iter()
-            .all(|wanted| holds(moment, &wanted.condition, &mut wanted.bindings.clone()))
+/// Returns true if the steps are a valid plan in the whole world, where quantified conditions range over more entities, and rules and
+/// prohibitions are about more of them, than in the scope of the search.
+fn serves(world: &World, steps: &[GroundAction], target: &Target) -> bool {
+    let steps = steps.iter();
+    let plan: Plan = steps
+        .map(|step| Step::explained(world, step.action, step.arguments.clone()))
+        .collect();
+    let purpose = Purpose {
+        wanted: target.wanted.clone(),
+        stages: target.stages.clone(),
+        ..Purpose::default()
+    };
+    verify::check(world, plan, &purpose).violations.is_empty()
 }

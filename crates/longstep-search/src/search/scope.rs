@@ -304,9 +304,8 @@ impl Requirements {
     fn by_kind(&self, world: &World, actions: &[bool]) -> FxHashSet<EntityId> {
         let mut found = FxHashSet::default();
         for (condition, bindings) in &self.conditions {
-            named(world, condition, &mut bindings.clone(), &mut found);
+            named(world, condition, 0, &mut bindings.clone(), &mut found);
         }
-        // Parameters are still unbound, so only conditions without parameters are evaluated.
         for (action, _) in world
             .domain()
             .actions
@@ -318,19 +317,30 @@ impl Requirements {
             // Any entity stands in for the parameters, so that quantified variables have their own slots.
             let mut bindings: Bindings = first.iter().copied().cycle().take(action.parameters.len()).collect();
             if bindings.len() == action.parameters.len() {
-                named(world, &action.precondition, &mut bindings, &mut found);
+                named(world, &action.precondition, action.parameters.len(), &mut bindings, &mut found);
             }
         }
         found
     }
 }
 
-/// Adds the entities that an existential condition may be about, up to [`MANY`].
-fn named(world: &World, condition: &Condition, bindings: &mut Bindings, found: &mut FxHashSet<EntityId>) {
-    let unchanging = |atom: &Atom, at: When| at != When::Now || !world.domain().words(atom.predicate).fluent;
+/// Adds the entities that an existential condition may be about, up to [`MANY`]. Nothing is known about the first `unbound`
+/// variables.
+fn named(
+    world: &World,
+    condition: &Condition,
+    unbound: usize,
+    bindings: &mut Bindings,
+    found: &mut FxHashSet<EntityId>,
+) {
+    let is_unbound = |term: &Term| matches!(term, Term::Variable(slot) if *slot < unbound);
+    let unchanging = |atom: &Atom, at: When| {
+        let is_static = at != When::Now || !world.domain().words(atom.predicate).fluent;
+        is_static && !atom.terms.iter().any(is_unbound)
+    };
     match condition {
         Condition::And(parts) | Condition::Or(parts) => {
-            parts.iter().for_each(|part| named(world, part, bindings, found));
+            parts.iter().for_each(|part| named(world, part, unbound, bindings, found));
         }
         Condition::Exists(slot, kind, inner) => {
             let moment = Moment {
@@ -344,7 +354,7 @@ fn named(world: &World, condition: &Condition, bindings: &mut Bindings, found: &
                 }
                 found.insert(thing);
                 bindings.push(thing);
-                named(world, inner, bindings, found);
+                named(world, inner, unbound, bindings, found);
                 bindings.pop();
             }
         }

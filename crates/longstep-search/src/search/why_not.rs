@@ -131,10 +131,12 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
         ..unordered.clone()
     };
     let count = conditions.len();
-    why.goals = (0..count)
-        .filter(|index| !is_solved(world, &alone(&conditions[*index])))
-        .collect();
-    why.together = count > 1 && why.goals.is_empty();
+    let outcomes = conditions.iter().map(|wanted| solve(world, &alone(wanted), limits));
+    let outcomes: Vec<Outcome> = outcomes.collect();
+    // A search that gave up has neither reached the goal nor proven that nothing does.
+    let is_impossible = |index: &usize| matches!(outcomes[*index], Outcome::ProvenUnsolvable { .. });
+    why.goals = (0..count).filter(is_impossible).collect();
+    why.together = count > 1 && outcomes.iter().all(|own| matches!(own, Outcome::Solved { .. }));
     let first = why.goals.first();
     why.missing = first.and_then(|index| missing(world, &conditions[*index]));
     // A search without budget makes a goal look unreachable.

@@ -82,9 +82,17 @@ impl Walk<'_> {
         };
         self.same_state(first.clone(), &way);
         let progress = self.progress_of(&way);
-        if known.len() < STATES && !known.iter().any(|known| self.progress_of(known) == progress) {
-            known.push(way);
+        effort::spend(known.len());
+        if known.iter().any(|known| self.progress_of(known) == progress) {
+            return;
         }
+        // A path that is neither followed nor refused would be one that nobody has checked.
+        if known.len() == STATES {
+            let last = self.history.back(way.here).next().map(|(step, _)| step.index());
+            self.stop(last, STATES + 1);
+            return;
+        }
+        known.push(way);
     }
 
     /// Reports objects that concurrent steps share.

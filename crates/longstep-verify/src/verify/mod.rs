@@ -180,28 +180,10 @@ impl Report {
         &self.endings[self.claimed.unwrap_or(0)]
     }
 
-    /// Returns the cost of the steps on the dearest path; none in a domain without costs, or if the cost is not known.
+    /// Returns the cost of the steps on the dearest path; none in a domain without costs, or if the cost is not known, as in a loop whose
+    /// iterations depend on sensing.
     pub fn cost(&self) -> Option<Number> {
-        let domain = self.world.domain();
-        if !domain.has_costs() {
-            return None;
-        }
-        let moment = Moment {
-            world: &self.world,
-            state: &self.world.state,
-        };
-        let of_step = |step: StepId| {
-            let Step { action, arguments, .. } = self.plan.step(step);
-            match &domain.action(*action).cost {
-                Some(cost) => cost.value(moment, arguments),
-                None => Some(Number::ZERO),
-            }
-        };
-        let of_ending = |ending: &Ending| {
-            let mut steps = ending.trace.steps();
-            steps.try_fold(Number::ZERO, |sum, (step, _)| sum.plus(of_step(step)?))
-        };
-        let costs = self.endings.iter().map(of_ending);
+        let costs = self.endings.iter().map(|ending| ending.cost);
         costs.collect::<Option<Vec<Number>>>()?.into_iter().max()
     }
 
@@ -319,6 +301,7 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
             when,
             trace: walk.history.trace(way.here),
             after: way.state,
+            cost: way.cost,
         }]
     });
     let mut rested: Vec<Fact> = std::mem::take(&mut walk.rested).into_iter().collect();

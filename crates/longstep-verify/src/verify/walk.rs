@@ -3,6 +3,8 @@
 //! The walk keeps the set of states that are possible at a node. Sensing splits a state; paths that reach the same
 //! state are merged. Loops are followed until no new state occurs.
 
+use std::collections::hash_map::Entry;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::history::{History, with_culprits};
@@ -13,8 +15,8 @@ use super::{Purpose, StepClaim, Violation, claims, unmet};
 use crate::plan::{Node, Plan, StepId, Test, tree};
 use longstep_model::effort;
 use longstep_model::model::{
-    Bindings, ChangedLists, Domain, Fact, Moment, PredicateId, State, World, apply_onto, broken_bindings, ground,
-    holds, rests_on,
+    Action, Bindings, ChangedLists, Domain, EntityId, Fact, Moment, Number, PredicateId, State, World, apply_onto,
+    broken_bindings, ground, holds, rests_on,
 };
 
 /// Maximum number of states at one node; a plan that exceeds it is rejected.
@@ -81,6 +83,7 @@ impl<'a> Walk<'a> {
             state: self.world.state.clone(),
             here: None,
             broken: self.broken_always(&self.world.state),
+            cost: self.domain.has_costs().then_some(Number::ZERO),
         };
         self.progress(&mut start);
         let mut ends = self.nodes(self.plan.body(), vec![start.clone()]);
@@ -183,7 +186,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Stops the simulation because there are too many states.
-    fn stop(&mut self, step: Option<usize>, states: usize) {
+    pub(super) fn stop(&mut self, step: Option<usize>, states: usize) {
         if !self.stopped {
             self.stopped = true;
             self.wrong(Violation::TooManyStates { step, states }, Vec::new());
@@ -200,7 +203,7 @@ impl<'a> Walk<'a> {
     /// The states after an iteration depend only on those before it. Once the states at the start of an iteration
     /// repeat, the loop is periodic, and only the remainder of the last period is simulated.
     fn counted(&mut self, times: u32, body: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
-        let mut rounds: FxHashMap<Vec<ChangedLists>, u32> = FxHashMap::default();
+        let mut rounds: FxHashMap<Vec<ChangedLists>, (u32, Option<Number>)> = FxHashMap::default();
         let (mut round, mut last) = (0, times);
         let mut findings = Findings::from(self.found.len());
         while round < last && !self.is_stopped() {
@@ -209,8 +212,14 @@ impl<'a> Walk<'a> {
                 let mut states: Vec<ChangedLists> = ways.iter().map(|way| self.changed(way)).collect();
                 states.sort_unstable();
                 effort::spend(states.iter().map(kept_units).sum());
-                if let Some(first) = rounds.insert(states, round) {
-                    last = round + (times - round) % (round - first);
+                let cost = dearest(&ways);
+                if let Some((first, cost_before)) = rounds.insert(states, (round, cost)) {
+                    let period = round - first;
+                    last = round + (times - round) % period;
+                    let left_out = cost_of_periods(cost_before, cost, (times - last) / period);
+                    for way in &mut ways {
+                        way.cost = sum(way.cost, left_out);
+                    }
                     if round == last {
                         break;
                     }
@@ -267,6 +276,9 @@ impl<'a> Walk<'a> {
         effort::spend(STEP);
         let step = self.plan.step(id);
         let action = self.domain.action(step.action);
+        if way.cost.is_some() {
+            way.cost = sum(way.cost, self.cost_of(action, &step.arguments));
+        }
         self.bindings.clear();
         self.bindings.extend_from_slice(&step.arguments);
         let moment = Moment {
@@ -319,6 +331,18 @@ impl<'a> Walk<'a> {
             self.odd(violation, self.when(way));
         }
         self.always(id, way);
+    }
+
+    /// Returns the cost of a step, which depends on what no step changes.
+    fn cost_of(&self, action: &Action, arguments: &[EntityId]) -> Option<Number> {
+        let moment = Moment {
+            world: self.world,
+            state: &self.world.state,
+        };
+        match &action.cost {
+            Some(cost) => cost.value(moment, arguments),
+            None => Some(Number::ZERO),
+        }
     }
 
     /// Reports each `always` rule at the step that breaks it. A rule that is broken in the initial state becomes
@@ -462,7 +486,8 @@ impl<'a> Walk<'a> {
         let start = &self.world.state;
         let mut heads = LoopStates::default();
         for way in ways {
-            heads.meet(way, start);
+            // The number of iterations is not known.
+            heads.meet(Way { cost: None, ..way }, start);
         }
         let mut out = Vec::new();
         let mut findings = Findings::from(self.found.len());
@@ -501,14 +526,24 @@ impl<'a> Walk<'a> {
             return ways;
         }
         // The rest of a path depends on its state alone, so one path for each state is enough.
-        let mut seen = FxHashSet::default();
-        let new = |way: &Way| {
-            let changed = self.changed(way);
+        let mut places: FxHashMap<ChangedLists, usize> = FxHashMap::default();
+        let mut kept: Vec<Way> = Vec::new();
+        for way in ways {
+            let changed = self.changed(&way);
             // Lists are compared with the initial state's, hashed and stored.
             effort::spend(4 + self.world.domain().predicates.len() + kept_units(&changed) / 2);
-            seen.insert(changed)
-        };
-        ways.into_iter().filter(new).collect()
+            match places.entry(changed) {
+                Entry::Occupied(place) => {
+                    let known = &mut kept[*place.get()];
+                    known.cost = known.cost.zip(way.cost).map(|(one, other)| one.max(other));
+                }
+                Entry::Vacant(place) => {
+                    place.insert(kept.len());
+                    kept.push(way);
+                }
+            }
+        }
+        kept
     }
 
     /// Returns the distinct violations and warnings.
@@ -547,6 +582,22 @@ impl Findings {
             found.extend(together);
         }
     }
+}
+
+/// Returns the cost of the dearest of these paths; none if one of them is not known.
+fn dearest(ways: &[Way]) -> Option<Number> {
+    let costs: Option<Vec<Number>> = ways.iter().map(|way| way.cost).collect();
+    costs?.into_iter().max()
+}
+
+fn sum(one: Option<Number>, other: Option<Number>) -> Option<Number> {
+    one?.plus(other?)
+}
+
+/// Returns the cost of so many periods of a loop that are not simulated.
+fn cost_of_periods(before: Option<Number>, after: Option<Number>, periods: u32) -> Option<Number> {
+    let periods = Number::of_millionths(i64::from(periods).checked_mul(1_000_000)?)?;
+    after?.minus(before?)?.times(periods)
 }
 
 /// Merges equal findings. A finding becomes unconditional if `count` paths have it or one of them is unconditional;

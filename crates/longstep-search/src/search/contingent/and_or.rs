@@ -34,6 +34,8 @@ struct Known {
     /// Lower bound on the worst case of any policy.
     at_least: u32,
     course: Option<Rc<Course>>,
+    /// True if there is no policy because one was cut off by its cost, so that a dearer one may exist.
+    is_cut: bool,
 }
 
 /// Parameters of a search.
@@ -67,6 +69,14 @@ pub(super) struct Search<'a> {
     begun: usize,
     /// Number of states that were left out because sensing is nested too deeply before them.
     left_out: usize,
+    /// The cost below which the whole policy must stay.
+    dearest: u32,
+    /// The cost of the steps before the search in progress.
+    before: u32,
+    /// Number of policies that were cut off by their cost.
+    cuts: usize,
+    /// True if one of them was cut off because the whole policy would cost too much, not because a cheaper one is known.
+    is_too_dear: bool,
 }
 
 /// An entry of the open list.
@@ -126,6 +136,10 @@ impl<'a> Search<'a> {
             heads: Vec::new(),
             begun: 0,
             left_out: 0,
+            dearest: u32::MAX,
+            before: 0,
+            cuts: 0,
+            is_too_dear: false,
         }
     }
 
@@ -134,8 +148,20 @@ impl<'a> Search<'a> {
         self.bounds.looked_at
     }
 
+    /// Returns true if a policy may exist that costs too much.
+    pub(super) fn is_too_dear(&self) -> bool {
+        self.is_too_dear
+    }
+
+    /// Notes that policies of this cost or more, from the state of the search in progress, are left out.
+    fn cut(&mut self, cost: u32) {
+        self.cuts += 1;
+        self.is_too_dear |= self.before.saturating_add(cost) >= self.dearest;
+    }
+
     /// Returns the best policy from the initial state with a worst case of fewer steps than `below`, if there is one.
     pub(super) fn run(&mut self, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
+        self.dearest = below;
         match self.best(&start(self.task), below)? {
             None if self.left_out > 0 => Err(TooFar),
             course => Ok(course),
@@ -145,8 +171,19 @@ impl<'a> Search<'a> {
     fn best(&mut self, start: &Bits, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
         if let Some(known) = self.known.get(start) {
             match &known.course {
-                Some(course) => return Ok((course.worst < below).then(|| Rc::clone(course))),
-                None if known.at_least >= below => return Ok(None),
+                Some(course) if course.worst < below => return Ok(Some(Rc::clone(course))),
+                Some(course) => {
+                    let worst = course.worst;
+                    self.cut(worst);
+                    return Ok(None);
+                }
+                None if known.at_least >= below => {
+                    if known.is_cut {
+                        let at_least = known.at_least;
+                        self.cut(at_least);
+                    }
+                    return Ok(None);
+                }
                 None => {}
             }
         }
@@ -162,7 +199,7 @@ impl<'a> Search<'a> {
             self.left_out += 1;
             return Ok(None);
         }
-        let left_out = self.left_out;
+        let (left_out, cuts) = (self.left_out, self.cuts);
         let course = self.search(start, below)?;
         // Behind fewer sensing steps the same state may be solvable, so this result is not cached.
         if course.is_none() && self.left_out > left_out {
@@ -172,6 +209,7 @@ impl<'a> Search<'a> {
         if !self.manner.looping {
             let known = Known {
                 at_least: course.as_ref().map_or(below, |course| course.worst),
+                is_cut: course.is_none() && self.cuts > cuts,
                 course: course.clone(),
             };
             self.known.insert(start.clone(), known);
@@ -196,6 +234,9 @@ impl<'a> Search<'a> {
             let exact = self.manner.weight == 1;
             // Choices come in the order of their lower bounds, so no later one is cheaper.
             if exact && cost >= below {
+                if best.is_none() {
+                    self.cut(cost);
+                }
                 break;
             }
             // With an equal worst case, a later choice may have fewer steps in total.
@@ -404,10 +445,12 @@ impl<'a> Search<'a> {
         let node = &nodes.all[number as usize];
         let depth = node.depth + self.cost_of(look);
         let Some(left) = below.checked_sub(depth) else {
+            self.cut(depth);
             return Ok(None);
         };
         let mut outcomes = Vec::new();
         self.heads.push(node.state.clone());
+        self.before += depth;
         for operator in self.looks[look as usize].clone() {
             let next = after(self.task, &node.state, &self.task.operators[operator as usize]);
             match self.best(&next, left)? {
@@ -416,6 +459,7 @@ impl<'a> Search<'a> {
             }
         }
         self.heads.pop();
+        self.before -= depth;
         let all = outcomes.len() == self.looks[look as usize].len();
         // A loop that no outcome ends is not a policy.
         let ends = outcomes.iter().any(|(_, course)| course.then != Then::Again);

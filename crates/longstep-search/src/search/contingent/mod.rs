@@ -118,16 +118,19 @@ struct Tally {
     states: usize,
     /// True if a run exhausted its budget.
     exhausted: bool,
+    /// True if the last run left out policies that cost too much.
+    is_too_dear: bool,
 }
 
 /// Runs a search within so many units of work, and adds to the tally.
 fn run(task: &Task, manner: Manner, below: u32, work: u64, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
     let spent = effort::within(work, || {
         let mut search = Search::new(task, manner);
-        (search.run(below), search.looked_at())
+        (search.run(below), search.looked_at(), search.is_too_dear())
     });
-    let (found, looked_at) = spent.result;
+    let (found, looked_at, is_too_dear) = spent.result;
     tally.states += looked_at;
+    tally.is_too_dear = is_too_dear;
     if spent.exhausted {
         tally.exhausted = true;
         return Err(TooFar);
@@ -176,7 +179,7 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
             Err(TooFar) => solved(&focused, &direct, false, tally.states),
         };
     }
-    let mut proven = false;
+    let (mut proven, mut too_long) = (false, false);
     // The greedy runs share the states and the work of one.
     let greedy = DEPTHS.map(|deepest| Manner {
         weight: GREED,
@@ -188,7 +191,9 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
         match run(task, manner, dearest(task), work, &mut tally) {
             Ok(Some(course)) => return solved(task, &course, manner.weight == 1, tally.states),
             Ok(None) => {
-                proven = true;
+                // A longer plan than the search may find is no proof that there is none.
+                too_long = tally.is_too_dear;
+                proven = !too_long;
                 break;
             }
             Err(TooFar) => {}
@@ -215,7 +220,9 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
             expanded: tally.states,
         },
         false => Outcome::GaveUp {
-            why: if tally.exhausted {
+            why: if too_long {
+                format!("there is no plan of up to {LONGEST} steps, and longer ones are not looked for")
+            } else if tally.exhausted {
                 format!(
                     "no plan found in {} states, which took all the work that a search may take",
                     tally.states

@@ -226,3 +226,34 @@ fn search_does_not_restore_objects_that_a_goal_has_moved() {
          attach sponge table, wipe sponge table, release sponge : ]",
     );
 }
+
+#[test]
+fn policy_that_costs_too_much_is_not_proven_impossible() {
+    let (domain, world) = scene("");
+    for (text, below, expected) in [
+        ("if expired(spam) then put(spam, trash bin) else put(spam, shelf)", 100, "found"),
+        ("if expired(spam) then put(spam, trash bin) else put(spam, shelf)", 4, "too dear"),
+        ("if dirty(table) then wiped(table, sponge)", 7, "too dear"),
+        ("if expired(spam) then put(spam, spam) else put(spam, shelf)", 100, "impossible"),
+    ] {
+        let goal = goal::parse(&world, text).unwrap();
+        let target = Target::of(&domain, &goal.purpose(&world));
+        let scope = Scope::whole(&world, &Requirements::of(&world, &target.wanted, &target.stages));
+        let task = relevance::reduce(ground::ground_sensing(&world, &scope, &target));
+        let manner = Manner {
+            limit: 10_000,
+            ties: TIES,
+            weight: 1,
+            looping: false,
+            deepest: DEEPEST,
+        };
+        let mut search = Search::new(&task, manner);
+        let found = match search.run(below) {
+            Ok(Some(_)) => "found",
+            Ok(None) if search.is_too_dear() => "too dear",
+            Ok(None) => "impossible",
+            Err(TooFar) => "too far",
+        };
+        assert_eq!(found, expected, "{text}, below {below}");
+    }
+}

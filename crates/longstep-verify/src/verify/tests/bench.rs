@@ -105,8 +105,27 @@ pub(crate) fn domain() -> Domain {
 
 /// Returns the domain with additional words, such as rules.
 pub(crate) fn domain_with(words: &str) -> Domain {
+    loaded(PDDL.to_owned(), words)
+}
+
+/// Returns the domain with costs: 2 to light a lamp, 3 to put it out.
+pub(crate) fn domain_with_costs() -> Domain {
+    let pddl = PDDL
+        .replace("(:predicates", "(:functions (total-cost) - number) (:predicates")
+        .replace(
+            "(not (lit ?lamp)) :effect (lit ?lamp))",
+            "(not (lit ?lamp)) :effect (and (lit ?lamp) (increase (total-cost) 2)))",
+        )
+        .replace(
+            "(lit ?lamp) :effect (not (lit ?lamp)))",
+            "(lit ?lamp) :effect (and (not (lit ?lamp)) (increase (total-cost) 3)))",
+        );
+    loaded(pddl, "")
+}
+
+fn loaded(pddl: String, words: &str) -> Domain {
     let files = Files {
-        pddl: PDDL.to_owned(),
+        pddl,
         words: format!("{WORDS}{words}"),
         ..Files::default()
     };

@@ -342,3 +342,30 @@ fn a_rule_that_is_broken_at_the_start_binds_from_where_it_is_kept() {
         &["after step 2: lamp 1 must be dark"],
     );
 }
+
+#[test]
+fn cost_counts_every_iteration_and_the_dearest_branch() {
+    let domain = bench::domain_with_costs();
+    let world = world(&domain, 3, &[]);
+    let blink = || all(&["press left 1", "unpress left 1"]);
+    let detour = vec![
+        Part::If(
+            Guard::Feel(2),
+            all(&["press left 3"]),
+            all(&["press left 3", "unpress left 3", "press left 3"]),
+        ),
+        // After this, the state no longer shows which branch was taken.
+        does("wait 2"),
+    ];
+    for (parts, expected) in [
+        (blink(), Some("5")),
+        (vec![Part::Repeat(1_000, blink())], Some("5000")),
+        (vec![Part::Repeat(7, vec![Part::Repeat(3, blink())])], Some("105")),
+        (vec![Part::Repeat(3, all(&["press left 1"]))], Some("6")),
+        (detour, Some("7")),
+        (vec![Part::While(Guard::Feel(2), [blink(), all(&["wait 2"])].concat())], None),
+    ] {
+        let cost = report(&world, &parts).cost().map(|cost| cost.to_string());
+        assert_eq!(cost.as_deref(), expected, "{parts:?}");
+    }
+}
