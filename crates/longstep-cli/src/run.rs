@@ -30,7 +30,7 @@ use person::Person;
 
 pub(crate) use begin::{aim_of, execution, observing};
 pub(crate) use person::{Decide, Question};
-pub(crate) use robot::{Entry, Opened, exit_code as robot_exit_code, failure as robot_failure, open};
+pub(crate) use robot::{RunStart, Opened, exit_code as robot_exit_code, failure as robot_failure, open};
 pub(crate) use view::{View, end};
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
@@ -58,7 +58,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     let Begun { plan, aim, not_in_plan } = begun;
     let request = StopRequest::default();
     let _armed = armed(&request)?;
-    let opened = open(named, plan.world(), arguments.execution.live, &request, Entry::New)?;
+    let opened = open(named, plan.world(), arguments.execution.live, &request, RunStart::New)?;
     let teach = "nothing has moved; `longstep teach PLAN.json --demo FILE` writes the values for `--skills FILE`";
     let execution = execution(&arguments.execution, &opened, &plan, &aim, teach)?;
     let path = match &arguments.log {
@@ -122,7 +122,7 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
 }
 
 /// Returns how a run goes on: the robot may still perform an order whose end the log does not have.
-fn entry(events: &[Event]) -> Entry {
+fn entry(events: &[Event]) -> RunStart {
     let mut open = BTreeSet::new();
     for event in events {
         match event {
@@ -134,9 +134,9 @@ fn entry(events: &[Event]) -> Entry {
         }
     }
     if open.is_empty() {
-        Entry::New
+        RunStart::New
     } else {
-        Entry::Interrupted
+        RunStart::Interrupted
     }
 }
 

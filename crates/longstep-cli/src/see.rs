@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &SeeArguments) -> Result<u8> {
     } else {
         None
     };
-    let report = Report {
+    let report = LookReport {
         saved: saved.clone(),
         ..seen.report
     };
@@ -64,14 +64,14 @@ pub(crate) fn run(arguments: &SeeArguments) -> Result<u8> {
 
 /// An environment, and the person's agreement to it.
 struct Seen {
-    report: Report,
+    report: LookReport,
     coverage: Coverage,
     agreed: bool,
 }
 
 /// An environment and everything that a person should know about it.
 #[derive(Debug, Default, Serialize)]
-struct Report {
+struct LookReport {
     environment: Environment,
     statements: Vec<StatementReport>,
     /// Contradictions to the rules of the domain.
@@ -115,7 +115,7 @@ fn seen_in_boxes(arguments: &SeeArguments, domain: &Domain, file: &str, text: &s
             .hint("add `geometry = [\"on\"]` to the state in domain.toml that says it; see docs/reference/domains.md"),
         _ => Failure::new(error.to_string(), LIMIT).hint("split the scene"),
     })?;
-    let report = Report::of_look(domain, look);
+    let report = LookReport::of_look(domain, look);
     if !arguments.json {
         report.show();
     }
@@ -169,7 +169,7 @@ fn seen_by_model(arguments: &SeeArguments, domain: &Domain, source: &Source) -> 
     for words in &arguments.correct {
         view = corrected(domain, model.as_mut(), &view, words)?;
     }
-    let mut report = Report::of_view(domain, &view);
+    let mut report = LookReport::of_view(domain, &view);
     if !arguments.json {
         report.show();
     }
@@ -192,7 +192,7 @@ fn seen_by_model(arguments: &SeeArguments, domain: &Domain, source: &Source) -> 
             break;
         }
         view = corrected(domain, model.as_mut(), &view, &answer)?;
-        report = Report::of_view(domain, &view);
+        report = LookReport::of_view(domain, &view);
         report.show();
     }
     Ok(Seen {
@@ -210,7 +210,7 @@ fn corrected(domain: &Domain, model: &mut dyn ChatModel, view: &View, words: &st
     Ok(view.corrected(domain, &change))
 }
 
-impl Report {
+impl LookReport {
     fn of_look(domain: &Domain, look: Look) -> Self {
         let read = environment::read(domain, &look.environment, "the scene", "", &json::Path::default());
         let wordless = look.wordless.iter().map(|relation| {

@@ -215,7 +215,7 @@ fn replayed(folder: &Path) -> Result<u8> {
 }
 
 /// A part of an event that differs in the replay.
-struct Part {
+struct DifferingPart {
     /// Its path of keys, such as `plan.environment_after`.
     name: String,
     recorded: String,
@@ -223,7 +223,7 @@ struct Part {
 }
 
 /// The differences between two events, part by part: an event may contain whole environments, mostly equal.
-fn parts(recorded: Option<&Value>, today: Option<&Value>) -> Vec<Part> {
+fn parts(recorded: Option<&Value>, today: Option<&Value>) -> Vec<DifferingPart> {
     let mut parts = Vec::new();
     let kind = |event: &Value| event["event"].clone();
     match (recorded, today) {
@@ -231,7 +231,7 @@ fn parts(recorded: Option<&Value>, today: Option<&Value>) -> Vec<Part> {
             let name = kind(recorded).as_str().unwrap_or_default().to_owned();
             compare(&name, recorded, today, &mut parts);
         }
-        (recorded, today) => parts.push(Part {
+        (recorded, today) => parts.push(DifferingPart {
             name: "event".to_owned(),
             recorded: recorded.map_or("nothing".to_owned(), |event| shortened(&kind(event))),
             today: today.map_or("nothing".to_owned(), |event| shortened(&kind(event))),
@@ -240,7 +240,7 @@ fn parts(recorded: Option<&Value>, today: Option<&Value>) -> Vec<Part> {
     parts
 }
 
-fn compare(name: &str, recorded: &Value, today: &Value, parts: &mut Vec<Part>) {
+fn compare(name: &str, recorded: &Value, today: &Value, parts: &mut Vec<DifferingPart>) {
     if recorded == today {
         return;
     }
@@ -257,7 +257,7 @@ fn compare(name: &str, recorded: &Value, today: &Value, parts: &mut Vec<Part>) {
         }
         return;
     }
-    parts.push(Part {
+    parts.push(DifferingPart {
         name: name.to_owned(),
         recorded: shortened(recorded),
         today: shortened(today),

@@ -36,13 +36,13 @@ impl Amiss {
 pub(crate) struct Standard<'a> {
     domain: &'a Domain,
     world: &'a World,
-    goals: Vec<Expected<'a>>,
+    goals: Vec<ExpectedPlan<'a>>,
 }
 
 /// A goal, and a plan that search finds for it. Searched at the first use, because search may dominate the time of a
 /// suite.
 #[derive(Debug)]
-struct Expected<'a> {
+struct ExpectedPlan<'a> {
     goal: &'a Goal,
     reference: OnceCell<Option<VerifiedPlan>>,
 }
@@ -50,7 +50,7 @@ struct Expected<'a> {
 impl<'a> Standard<'a> {
     pub(crate) fn new(world: &'a World, goals: &'a [Goal]) -> Self {
         let domain = world.domain();
-        let expected = |goal: &'a Goal| Expected {
+        let expected = |goal: &'a Goal| ExpectedPlan {
             goal,
             reference: OnceCell::new(),
         };
@@ -66,7 +66,7 @@ impl<'a> Standard<'a> {
         self.reference_for(self.goals.first()?)
     }
 
-    fn reference_for<'s>(&self, expected: &'s Expected<'a>) -> Option<&'s VerifiedPlan> {
+    fn reference_for<'s>(&self, expected: &'s ExpectedPlan<'a>) -> Option<&'s VerifiedPlan> {
         let search = || report::of_goal(self.world, expected.goal, "", &longstep::Limits::default(), || 0.0).plan;
         expected.reference.get_or_init(search).as_ref()
     }

@@ -15,6 +15,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use longstep::instruction;
 use longstep::domain::{self, Domain, Files};
 use longstep::goal::{self, Goal, GoalFact};
 use longstep_core::environment::{self, Environment, World};
@@ -319,7 +320,7 @@ fn goals(domain: &Domain, world: &World) -> Vec<Goal> {
         word,
         arguments: arguments.clone(),
     };
-    let offers = goal::offers(world);
+    let offers = instruction::offers(world);
     let mut facts = Vec::new();
     for offer in &offers {
         let all = &offer.arguments;

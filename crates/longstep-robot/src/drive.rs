@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use longstep_core::environment::{Observation, World};
-use longstep_core::execution::{Event, Execution, Need, Order as Wanted, Proposal, Stop, Unseen};
+use longstep_core::environment::{ObservedFacts, World};
+use longstep_core::execution::{Event, Execution, Need, StepOrder as Wanted, Proposal, Stop, Unseen};
 use longstep_core::model::PredicateId;
 
 use crate::error::RobotError;
-use crate::observation::Scope;
+use crate::scope::Scope;
 use crate::order::{ArgumentValue, Order};
 use crate::robot::{Feedback, Handle, Progress, Robot};
 use crate::stop::StopRequest;
@@ -54,7 +54,7 @@ struct Running {
 /// it, no action changes it, or it is an event and the robot does not count events.
 pub fn reports(robot: &dyn Robot, world: &World) -> Result<Vec<PredicateId>, RobotError> {
     let domain = world.domain();
-    let mut reportable = Observation::reportable(domain);
+    let mut reportable = ObservedFacts::reportable(domain);
     reportable.retain(|id| robot.describe().counts_events || !domain.words(*id).event);
     let find = |name: &String| {
         let named = |id: &PredicateId| domain.predicate(*id).name == *name;
@@ -240,7 +240,7 @@ impl Driver<'_> {
     fn observe(&mut self) {
         match self.robot.observe(&Scope::All) {
             Ok(observation) => {
-                if let Err(error) = self.execution.observed(&observation.into()) {
+                if let Err(error) = self.execution.observed(&observation) {
                     self.fail(&error.to_string());
                 }
             }

@@ -8,7 +8,8 @@ use serde_json::Value;
 
 use crate::description::Description;
 use crate::error::RobotError;
-use crate::observation::{Observation, Scope};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 use crate::robot::{Feedback, Progress, Robot, StopSwitch};
 use crate::sim::{Sim, SimOptions};

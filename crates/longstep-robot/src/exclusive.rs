@@ -10,7 +10,8 @@ use serde_json::Value;
 use crate::description::Description;
 use crate::error::RobotError;
 use crate::lock;
-use crate::observation::{Observation, Scope};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 #[cfg(unix)]
 use crate::presence::{self, Presence};

@@ -31,7 +31,7 @@ mod dry_run;
 mod error;
 mod exclusive;
 mod lock;
-mod observation;
+mod scope;
 mod order;
 mod preflight;
 #[cfg(unix)]
@@ -57,7 +57,8 @@ pub use drive::{Watcher, drive, order_of, reports};
 pub use dry_run::DryRun;
 pub use error::RobotError;
 pub use exclusive::Exclusive;
-pub use observation::{Observation, Scope};
+pub use longstep_core::environment::Observation;
+pub use scope::Scope;
 pub use order::{ArgumentValue, Order};
 pub use preflight::preflight;
 #[cfg(unix)]

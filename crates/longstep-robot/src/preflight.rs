@@ -1,6 +1,6 @@
 //! A plan looked through before anything moves.
 
-use longstep_core::execution::Order as Wanted;
+use longstep_core::execution::StepOrder as Wanted;
 use longstep_core::plan::StepId;
 use longstep_core::skill::Skills;
 use longstep_core::verify::VerifiedPlan;

@@ -8,7 +8,8 @@ use serde_json::Value;
 
 use crate::description::Description;
 use crate::error::RobotError;
-use crate::observation::{Observation, Scope};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 use crate::order::Order;
 #[cfg(unix)]
 use crate::presence::Presence;
@@ -77,7 +78,7 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// while let Progress::Running(_) = lamp.poll(handle)? {
 ///     lamp.wait(std::time::Duration::from_millis(50));
 /// }
-/// assert_eq!(lamp.observe(&Scope::All)?.statements("<lamp>"), Some(&["on()".to_owned()][..]));
+/// assert_eq!(lamp.observe(&Scope::All)?.of_entity("<lamp>"), Some(&["on()".to_owned()][..]));
 /// lamp.stop()?;
 /// lamp.stop()?;
 /// assert_eq!(lamp.start(&Order::new(2, "switch-on", ["<lamp>"])), Err(RobotError::Stopped));

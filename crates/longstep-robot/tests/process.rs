@@ -142,7 +142,7 @@ fn a_failed_step_leaves_the_robot_usable() {
     }
     let seen = robot.observe(&Scope::Entities(vec!["<cup>".to_owned()])).unwrap();
     assert_eq!(
-        seen.statements("<cup>"),
+        seen.of_entity("<cup>"),
         Some(&["on_something(<table>)".to_owned()][..])
     );
 }

@@ -327,7 +327,7 @@ fn orders_are_performed_and_observed() {
     assert_eq!(seen, [json!({"progress": 0.5})]);
     assert_eq!(robot.poll(handle), Err(RobotError::UnknownHandle(handle)));
     assert_eq!(
-        robot.observe(&Scope::All).unwrap().statements("<cup>"),
+        robot.observe(&Scope::All).unwrap().of_entity("<cup>"),
         Some(&["inside_hand()".to_owned()][..])
     );
     let action = "attach".to_owned();

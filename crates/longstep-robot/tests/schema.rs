@@ -138,7 +138,7 @@ fn example_robot_of_the_guide_obeys_the_protocol() {
     assert_eq!(progress, Progress::Done { outcome: None });
     assert_eq!(fractions.len(), 10);
     let seen = robot.observe(&Scope::Entities(vec!["<lamp>".to_owned()])).unwrap();
-    assert_eq!(seen.statements("<lamp>"), Some(&["on()".to_owned()][..]));
+    assert_eq!(seen.of_entity("<lamp>"), Some(&["on()".to_owned()][..]));
 
     // A stop in the middle of a step: the lamp stays on.
     robot.start(&Order::new(2, "switch-off", ["<lamp>"])).unwrap();

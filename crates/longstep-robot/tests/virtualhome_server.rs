@@ -168,7 +168,7 @@ fn a_line_is_sent_as_the_simulator_s_own_client_sends_it() {
     assert_eq!(ended(&mut robot, handle), Ok(Progress::Done { outcome: None }));
     assert_eq!(robot.poll(handle), Err(RobotError::UnknownHandle(handle)));
     let seen = robot.observe(&Scope::All).unwrap();
-    assert_eq!(seen.statements("<mug_3>"), Some(&["ON(<table_2>)".to_owned()][..]));
+    assert_eq!(seen.of_entity("<mug_3>"), Some(&["ON(<table_2>)".to_owned()][..]));
     let requests = server.requests.lock().unwrap().clone();
     let line = requests
         .iter()

@@ -80,7 +80,15 @@ pub mod coverage;
 pub mod dialogue;
 pub mod domain;
 pub mod feedback;
-pub mod goal;
+pub mod goal {
+    //! Goals of plans.
+    //!
+    //! A [`Goal`] is written as `put(cup, shelf) & closed(door)`. A model writes one ([`understanding`](crate::understanding)), and
+    //! search turns it into steps.
+
+    pub use longstep_core::goal::*;
+}
+pub mod instruction;
 mod load;
 mod model;
 pub mod perception;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use longstep::session::{ObserveError, Observed};
-use longstep_core::environment::{Statements, World};
+use longstep_core::environment::{Observation, World};
 use longstep_files::read_text;
 use longstep_robot::{RunHeader, RunLog, Scope, StopRequest, drive};
 
@@ -210,7 +210,7 @@ impl Chat<'_> {
         }
         match seen {
             Ok(observation) => {
-                self.session.observed(&observation.into()).map_err(unfit)?;
+                self.session.observed(&observation).map_err(unfit)?;
                 self.folder.keep(&mut self.session)?;
             }
             Err(_) => screen::notice("The world may differ where the robot was under way; `/observe` looks again"),
@@ -246,7 +246,7 @@ impl Chat<'_> {
         }
     }
 
-    fn observation(&self) -> Result<Statements> {
+    fn observation(&self) -> Result<Observation> {
         if self.robot.is_none() {
             return Err(Failure::unreadable("this conversation has no robot that could look")
                 .hint("read an observation with `/observe FILE`, or begin with `--robot ROBOT`")
@@ -271,11 +271,11 @@ impl Chat<'_> {
             let _ = body.stop();
             *opened = body.revived().map(|robot| Opened { robot, is_dry: false });
         }
-        Ok(seen.map_err(|error| run::robot_failure(&error))?.into())
+        Ok(seen.map_err(|error| run::robot_failure(&error))?)
     }
 }
 
-fn observation_in(path: &Path) -> Result<Statements> {
+fn observation_in(path: &Path) -> Result<Observation> {
     let text = read_text(path)?;
     let read = serde_json::from_str(&text);
     Ok(read.map_err(|error| {

@@ -13,7 +13,7 @@ const ACTIONS: usize = 50;
 
 /// The end of an interview that has no answer to its next question.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Question {
+pub(super) struct NextQuestion {
     /// The question.
     pub(super) text: String,
     /// The answer of an empty line; empty if there is none.
@@ -32,7 +32,7 @@ struct Given<'a> {
 
 impl Given<'_> {
     /// Returns the answer to the question.
-    fn take(&mut self, question: Question) -> Result<&str, Box<Question>> {
+    fn take(&mut self, question: NextQuestion) -> Result<&str, Box<NextQuestion>> {
         match self.answers.get(self.at) {
             Some(answer) => {
                 self.at += 1;
@@ -45,23 +45,23 @@ impl Given<'_> {
     /// Returns the answer to the question, unless it has a mistake.
     fn take_right(
         &mut self,
-        question: Question,
+        question: NextQuestion,
         mistake: impl Fn(&str) -> Option<AnswerMistake>,
-    ) -> Result<&str, Box<Question>> {
+    ) -> Result<&str, Box<NextQuestion>> {
         let again = question.clone();
         let answer = self.take(question)?;
         match mistake(answer) {
             None => Ok(answer),
-            rejected => Err(Box::new(Question { rejected, ..again })),
+            rejected => Err(Box::new(NextQuestion { rejected, ..again })),
         }
     }
 }
 
-fn question(text: impl Into<String>, default: &str) -> Question {
-    Question {
+fn question(text: impl Into<String>, default: &str) -> NextQuestion {
+    NextQuestion {
         text: text.into(),
         default: default.to_owned(),
-        ..Question::default()
+        ..NextQuestion::default()
     }
 }
 
@@ -73,13 +73,13 @@ fn mistake(message: &str, hint: &str) -> Option<AnswerMistake> {
 }
 
 /// Reads the answers; returns the next question if they do not suffice.
-pub(super) fn interview(name: &str, given: &[String]) -> Result<Answers, Box<Question>> {
+pub(super) fn interview(name: &str, given: &[String]) -> Result<Answers, Box<NextQuestion>> {
     let given = &mut Given { answers: given, at: 0 };
     let mut answers = Answers {
         name: name.to_owned(),
         ..Answers::default()
     };
-    let introduced = Question {
+    let introduced = NextQuestion {
         introduction: vec![
             "Questions about the robot: who it is, what it handles, its actions, and a first world.".to_owned(),
             "An empty line takes the answer in brackets. \"back\" goes to the previous question.".to_owned(),
@@ -104,7 +104,7 @@ pub(super) fn interview(name: &str, given: &[String]) -> Result<Answers, Box<Que
     Ok(answers)
 }
 
-fn kinds(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<Question>> {
+fn kinds(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<NextQuestion>> {
     let things = question(
         "Which kinds of things does it move or carry? (one kind for all that are handled alike; with commas: box, letter)",
         "box",
@@ -136,7 +136,7 @@ fn kinds(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<Questio
 }
 
 /// Reads the answers about one action; returns false after the last one.
-fn action(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<Question>> {
+fn action(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<NextQuestion>> {
     let number = answers.action.len() + 1;
     let examples = Examples::of(answers);
     let mut first = question(format!("Action {number} (empty: no more)"), "");
@@ -196,7 +196,7 @@ fn action(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<Ques
 }
 
 /// Asks whether kinds without an action are left out; returns true for more actions.
-fn wants_more(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<Question>> {
+fn wants_more(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<NextQuestion>> {
     let unused = unused_kinds(answers);
     if unused.is_empty() {
         return Ok(false);
@@ -212,7 +212,7 @@ fn wants_more(answers: &mut Answers, given: &mut Given<'_>) -> Result<bool, Box<
     Ok(true)
 }
 
-fn yes_or_no(given: &mut Given<'_>, question: Question) -> Result<bool, Box<Question>> {
+fn yes_or_no(given: &mut Given<'_>, question: NextQuestion) -> Result<bool, Box<NextQuestion>> {
     let answer = given.take_right(question, |answer| match is_yes(answer) {
         Some(_) => None,
         None => mistake("this is neither yes nor no", "answer yes or no"),
@@ -225,9 +225,9 @@ fn states(
     answers: &Answers,
     action: &ActionAnswer,
     given: &mut Given<'_>,
-    question: Question,
+    question: NextQuestion,
     may_be_empty: bool,
-) -> Result<Vec<String>, Box<Question>> {
+) -> Result<Vec<String>, Box<NextQuestion>> {
     let text = given.take_right(question, |text| {
         let all = split(text, ';');
         if all.is_empty() && !may_be_empty {
@@ -255,7 +255,7 @@ fn states(
 }
 
 /// Asks about a word that is nearly a kind; returns the sentence with the kind that is meant.
-fn spelled(answers: &Answers, given: &mut Given<'_>, sentence: String) -> Result<String, Box<Question>> {
+fn spelled(answers: &Answers, given: &mut Given<'_>, sentence: String) -> Result<String, Box<NextQuestion>> {
     let Some(misspelt) = misspelt_kind(answers, &sentence) else {
         return Ok(sentence);
     };
@@ -276,7 +276,7 @@ fn is_yes(answer: &str) -> Option<bool> {
 }
 
 /// Reads the examples of each kind, and what holds at the start.
-fn first_world(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<Question>> {
+fn first_world(answers: &mut Answers, given: &mut Given<'_>) -> Result<(), Box<NextQuestion>> {
     for index in 0..answers.kind.len() {
         let name = answers.kind[index].name.clone();
         let default = if answers.kind[index].stays {
@@ -345,8 +345,8 @@ fn examples_mistake(answers: &Answers, kind: &str, examples: &[String]) -> Optio
 }
 
 /// Shows all answers, and asks whether the domain is made of them.
-fn confirm(answers: &Answers, given: &mut Given<'_>) -> Result<(), Box<Question>> {
-    let last = Question {
+fn confirm(answers: &Answers, given: &mut Given<'_>) -> Result<(), Box<NextQuestion>> {
+    let last = NextQuestion {
         introduction: summary(answers),
         ..question("Is this right? (yes, or \"back\" to change the last answers)", "yes")
     };
@@ -440,7 +440,7 @@ mod tests {
     use super::*;
 
     /// Gives the answers one after another, as a person does; "back" takes one back. Returns the last question.
-    fn last_question(lines: &[&str]) -> Result<Answers, Box<Question>> {
+    fn last_question(lines: &[&str]) -> Result<Answers, Box<NextQuestion>> {
         let mut given: Vec<String> = Vec::new();
         for line in lines {
             let next = interview("mine", &given).unwrap_err();

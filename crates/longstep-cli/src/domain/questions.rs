@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use anyhow::Result;
 use longstep_author::Answers;
 
-use super::interview::{Question, interview};
+use super::interview::{NextQuestion, interview};
 use super::kept_answers::KeptAnswers;
 use crate::failure::Failure;
 use crate::output::{Style, remark};
@@ -53,7 +53,7 @@ pub(super) fn answers(name: &str) -> Result<Answers> {
 }
 
 /// Returns the answer to a question after the end of the input.
-fn at_end(question: &Question) -> Result<String> {
+fn at_end(question: &NextQuestion) -> Result<String> {
     match &question.rejected {
         None => Ok(question.default.clone()),
         Some(mistake) => Err(

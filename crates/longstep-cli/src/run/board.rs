@@ -61,7 +61,7 @@ impl Mark {
 
 /// A step of the plan.
 #[derive(Debug, Clone)]
-struct Entry {
+struct BoardStep {
     /// Its number in the plan in force, from 0; none for a step of an earlier plan.
     step: Option<usize>,
     /// The action with all its arguments, as events name it.
@@ -87,7 +87,7 @@ enum Place {
 /// The steps of a run.
 #[derive(Debug, Default)]
 struct Steps {
-    entries: Vec<Entry>,
+    entries: Vec<BoardStep>,
     places: Vec<Place>,
     /// The entries of the orders under way.
     orders: BTreeMap<u64, usize>,
@@ -101,11 +101,11 @@ struct Steps {
 impl Steps {
     /// Takes the steps of the plan in force; what has happened to earlier ones stays above them.
     fn rebuild(&mut self, execution: &Execution) {
-        let kept: Vec<Entry> = self
+        let kept: Vec<BoardStep> = self
             .entries
             .drain(..)
             .filter(|entry| !matches!(entry.mark, Mark::Waiting | Mark::New))
-            .map(|entry| Entry { step: None, ..entry })
+            .map(|entry| BoardStep { step: None, ..entry })
             .collect();
         self.places = (0..kept.len()).map(|entry| Place::Step { depth: 0, entry }).collect();
         self.entries = kept;
@@ -152,7 +152,7 @@ impl Steps {
                         self.entry(execution, step, inner.explanation, mark);
                     }
                 }
-                let place = |entries: &[Entry], step: usize| {
+                let place = |entries: &[BoardStep], step: usize| {
                     let found = entries[first..].iter().position(|entry| entry.step == Some(step));
                     found.map(|index| first + index)
                 };
@@ -180,7 +180,7 @@ impl Steps {
             .iter()
             .map(|entity| world.entity(*entity).identifier.as_str());
         let arguments: Vec<&str> = arguments.collect();
-        self.entries.push(Entry {
+        self.entries.push(BoardStep {
             step: Some(step),
             call: format!("{}({})", world.domain().action(own.action).name, arguments.join(", ")),
             text,
@@ -241,14 +241,14 @@ impl Steps {
         };
         self.is_stale = true;
         for text in steps {
-            let fits = |entry: &&mut Entry| {
+            let fits = |entry: &&mut BoardStep| {
                 let is_from = match from {
                     Some(mark) => entry.mark == mark,
                     None => entry.mark.is_open(),
                 };
                 is_from && entry.call == *text
             };
-            let mut entries: Box<dyn Iterator<Item = &mut Entry>> = match from {
+            let mut entries: Box<dyn Iterator<Item = &mut BoardStep>> = match from {
                 Some(_) => Box::new(self.entries.iter_mut().rev()),
                 None => Box::new(self.entries.iter_mut()),
             };

@@ -23,7 +23,7 @@ pub(crate) struct Opened {
 
 /// The beginning of a run, as far as the robot is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Entry {
+pub(crate) enum RunStart {
     /// The robot stands still.
     New,
     /// The robot may still perform orders of this run, which was interrupted.
@@ -33,7 +33,7 @@ pub(crate) enum Entry {
 /// Opens a robot: `sim`, `sim:OPTIONS`, `process:COMMAND`, `ros2:FILE` or `virtualhome:URL`. A robot that is not a
 /// simulation moves only if `live` is true, and only if no other program drives it. The request stops it from then on, and
 /// ends the opening of a robot behind a program that takes its time. Orders of an interrupted run have ended then.
-pub(crate) fn open(named: &str, world: &World, live: bool, request: &StopRequest, entry: Entry) -> Result<Opened> {
+pub(crate) fn open(named: &str, world: &World, live: bool, request: &StopRequest, entry: RunStart) -> Result<Opened> {
     let opened = open_kind(named, world, live, request, entry)?;
     request.attach(opened.robot.stop_switch());
     if request.is_requested() {
@@ -43,7 +43,7 @@ pub(crate) fn open(named: &str, world: &World, live: bool, request: &StopRequest
     }
 }
 
-fn open_kind(named: &str, world: &World, live: bool, request: &StopRequest, entry: Entry) -> Result<Opened> {
+fn open_kind(named: &str, world: &World, live: bool, request: &StopRequest, entry: RunStart) -> Result<Opened> {
     let (kind, rest) = named.split_once(':').unwrap_or((named, ""));
     match kind {
         "sim" => {
@@ -90,7 +90,7 @@ fn process(command: &str, world: &World, live: bool, request: &StopRequest) -> R
     dry(DryRun::new(&description, world.clone(), message))
 }
 
-fn ros2(path: &Path, world: &World, live: bool, entry: Entry) -> Result<Opened> {
+fn ros2(path: &Path, world: &World, live: bool, entry: RunStart) -> Result<Opened> {
     let configuration = configuration(path, world.domain(), Some(world))?;
     if live || configuration.is_simulated() {
         return connected(configuration, world.domain(), entry);
@@ -103,12 +103,12 @@ fn ros2(path: &Path, world: &World, live: bool, entry: Entry) -> Result<Opened> 
 }
 
 /// Connects to a robot behind a bridge, which no other program may drive by then.
-fn connected(configuration: Configuration, domain: &Domain, entry: Entry) -> Result<Opened> {
+fn connected(configuration: Configuration, domain: &Domain, entry: RunStart) -> Result<Opened> {
     let drives = configuration.drives();
     locked(&drives, || {
         let robot = match entry {
-            Entry::New => Ros2::connect(configuration, domain)?,
-            Entry::Interrupted => Ros2::reconnect(configuration, domain)?,
+            RunStart::New => Ros2::connect(configuration, domain)?,
+            RunStart::Interrupted => Ros2::reconnect(configuration, domain)?,
         };
         let count = robot.cancelled();
         if count > 0 {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use longstep_core::domain::phrase;
 use longstep_core::environment::World;
-use longstep_core::execution::{Effect, Event, Execution, Order, Proposal, Stop, Subject, Unseen};
+use longstep_core::execution::{Effect, Event, Execution, StepOrder, Proposal, Stop, Subject, Unseen};
 use longstep_core::plan::{Plan, outline};
 use longstep_robot::{Feedback, RobotError, RunLog, Watcher};
 
@@ -197,7 +197,7 @@ impl Watcher for View<'_> {
         }
     }
 
-    fn judge(&mut self, _: &Execution, order: &Order) -> Option<bool> {
+    fn judge(&mut self, _: &Execution, order: &StepOrder) -> Option<bool> {
         let question = format!(
             "Step {} was under way when the program ended: {}. Was it done?",
             order.number,
@@ -214,7 +214,7 @@ impl Watcher for View<'_> {
         self.ask(Question::Fact(&format!("{since}: {}. Is it so?", unseen.what)))
     }
 
-    fn feedback(&mut self, order: &Order, feedback: &Feedback) {
+    fn feedback(&mut self, order: &StepOrder, feedback: &Feedback) {
         let Some(text) = &feedback.text else {
             return;
         };

@@ -6,7 +6,7 @@ use longstep::session::{Event, ObserveError, Observed, Session};
 use longstep_llm::{SessionFolder, load_domain};
 use serde::Serialize;
 
-use super::{Report, Source, UNCONFIRMED, is_yes, seen};
+use super::{LookReport, Source, UNCONFIRMED, is_yes, seen};
 use crate::arguments::SeeArguments;
 use crate::clock::stopwatch;
 use crate::failure::{Failure, NOT_VALID};
@@ -18,7 +18,7 @@ use crate::show;
 #[derive(Debug, Serialize)]
 struct UpdateReport<'a> {
     #[serde(flatten)]
-    look: &'a Report,
+    look: &'a LookReport,
     changes: &'a [String],
     /// Entities of the look that the session does not have.
     unknown: &'a [String],
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &SeeArguments, source: &Source, named: &str) -> Res
     Ok(if stored { 0 } else { UNCONFIRMED })
 }
 
-fn report(look: &Report, observed: &Observed, not_seen: &[String], stored: bool) -> Result<()> {
+fn report(look: &LookReport, observed: &Observed, not_seen: &[String], stored: bool) -> Result<()> {
     output::json(&UpdateReport {
         look,
         changes: &observed.changes,

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::change::Change;
 use super::event::plan_text;
-use super::{Event, Execution, ExecutionError, Order, Phase, Stop};
+use super::{Event, Execution, ExecutionError, StepOrder, Phase, Stop};
 
 /// The number of bytes of an id.
 const ID_LENGTH: usize = 16;
@@ -30,7 +30,7 @@ pub enum Subject {
     /// A change of the rest of the plan.
     Change(Box<Change>),
     /// One step, before it is performed.
-    Step(Order),
+    Step(StepOrder),
 }
 
 /// A hash of a proposal: of the steps, of the observed world, and of its place in the run.

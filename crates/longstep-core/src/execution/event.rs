@@ -5,10 +5,10 @@ use serde_json::Value;
 
 use super::change::{Change, ChangeKind};
 use super::monitor::Noticed;
-use super::need::{Effect, Order};
+use super::need::{Effect, StepOrder};
 use super::written::written_outcome;
 use super::{Aim, Approval, ProposalId, Settings, Trust, Unseen, Watch};
-use longstep_model::environment::{Environment, Statements};
+use longstep_model::environment::{Environment, Observation};
 use longstep_model::model::{Fact, World};
 use longstep_verify::plan::{Plan, Written, write_tree};
 use longstep_verify::verify::VerifiedPlan;
@@ -95,7 +95,7 @@ pub enum Event {
     /// The world was observed.
     Observed {
         /// The statements of the robot.
-        statements: Statements,
+        statements: Observation,
     },
     /// A difference between the expected and the observed world, and what follows from it.
     Assessed {
@@ -203,7 +203,7 @@ impl Event {
         }
     }
 
-    pub(super) fn ordered(world: &World, order: &Order) -> Self {
+    pub(super) fn ordered(world: &World, order: &StepOrder) -> Self {
         Self::Ordered {
             order: order.number,
             step: order.step.index() + 1,

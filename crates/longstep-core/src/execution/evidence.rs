@@ -4,7 +4,7 @@
 use super::monitor::Completed;
 use super::{Approval, Basis, Event, Execution, ExecutionError, Need, Phase, Stop, Trust, Unseen};
 use longstep_model::effort;
-use longstep_model::environment::Observation;
+use longstep_model::environment::ObservedFacts;
 use longstep_model::model::{Moment, State, StateVariable, Wanted, support};
 use longstep_verify::plan::Plan;
 use longstep_verify::verify::{Progress, check, rules_at_end};
@@ -16,14 +16,14 @@ const LOOKS: u32 = 8;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Looks {
     count: u32,
-    last: Option<Observation>,
+    last: Option<ObservedFacts>,
     /// True if the last look listed the same entities as the one before it.
     repeats: bool,
 }
 
 impl Looks {
     /// Records a look.
-    pub(super) fn add(&mut self, observation: &Observation) {
+    pub(super) fn add(&mut self, observation: &ObservedFacts) {
         self.count += 1;
         self.repeats = self.last.as_ref().is_some_and(|last| last.lists_as(observation));
         self.last = Some(observation.clone());
@@ -167,7 +167,7 @@ impl Execution {
     }
 
     /// Takes back the progress that rests on promises which an observation refutes.
-    pub(super) fn take_back(&mut self, observation: &Observation) {
+    pub(super) fn take_back(&mut self, observation: &ObservedFacts) {
         let refuted = |own: &TrustedProgress| {
             own.promises.iter().any(|variable| {
                 observation.shows(&self.world, *variable)

@@ -34,11 +34,11 @@ impl<'a> Robot<'a> {
         }
     }
 
-    fn observation(&self, execution: &Execution) -> Statements {
+    fn observation(&self, execution: &Execution) -> Observation {
         let world = execution.world();
         let all = || world.entities().map(|(entity, _)| entity).collect();
         let entities: Vec<EntityId> = self.sees.clone().unwrap_or_else(all);
-        let mut seen = Observation::statements(world, &self.state, &entities, &execution.settings.reports);
+        let mut seen = ObservedFacts::statements(world, &self.state, &entities, &execution.settings.reports);
         if self.sees.is_some() {
             seen.facts = None;
         }

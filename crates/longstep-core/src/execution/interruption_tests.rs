@@ -4,7 +4,7 @@ use super::evidence_tests::tank;
 use super::tests::{fact, household, kitchen, plan};
 use super::*;
 use longstep_model::domain::{Files, from_pddl, load};
-use longstep_model::environment::Statements;
+use longstep_model::environment::Observation;
 use longstep_model::model::World;
 use longstep_search::pddl::read_problem;
 
@@ -38,12 +38,12 @@ fn order(execution: &mut Execution) -> u64 {
 }
 
 /// Returns an observation of the named lamps with their states.
-fn statements(seen: &[(&str, &str)]) -> Statements {
+fn statements(seen: &[(&str, &str)]) -> Observation {
     let states = seen.iter().map(|(lamp, states)| {
         let states: Vec<String> = states.split_whitespace().map(str::to_owned).collect();
         ((*lamp).to_owned(), longstep_model::environment::Words::Many(states))
     });
-    Statements {
+    Observation {
         states: states.collect(),
         facts: None,
     }
@@ -120,7 +120,7 @@ fn resume_without_trust_reopens_an_end_based_on_promises() {
     loop {
         match execution.next_need() {
             Need::Perform(order) => execution.performed(order.number, None).unwrap(),
-            Need::Observe => execution.observed(&Statements::default()).unwrap(),
+            Need::Observe => execution.observed(&Observation::default()).unwrap(),
             Need::Done => break,
             other => panic!("{other:?}"),
         }
@@ -137,7 +137,7 @@ fn resume_without_trust_reopens_an_end_based_on_promises() {
     let mut strict = Execution::resume(world.domain(), &log, resumed(Some(Trust::Observed))).unwrap();
     let end = loop {
         match strict.next_need() {
-            Need::Observe => strict.observed(&Statements::default()).unwrap(),
+            Need::Observe => strict.observed(&Observation::default()).unwrap(),
             end => break end,
         }
     };

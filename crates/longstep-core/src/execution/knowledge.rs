@@ -3,8 +3,8 @@
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-use super::Order;
-use longstep_model::environment::Observation;
+use super::StepOrder;
+use longstep_model::environment::ObservedFacts;
 use longstep_model::model::{
     Application, Atom, EntityId, PredicateId, Slot, StateVariable, Term, TypeId, World, entries_of,
 };
@@ -107,7 +107,7 @@ impl Knowledge {
 
     /// Records an observation, before which this many orders were given. The orders that are `running` may change what
     /// it shows at any moment.
-    pub(super) fn observed(&mut self, observation: &Observation, orders: u64, world: &World, running: &[Order]) {
+    pub(super) fn observed(&mut self, observation: &ObservedFacts, orders: u64, world: &World, running: &[StepOrder]) {
         let now = self.tick(orders);
         self.entities
             .extend(observation.entities().iter().map(|own| (*own, now)));
@@ -131,7 +131,7 @@ impl Knowledge {
     }
 
     /// Records that an order may have changed what its effects name, whatever their conditions.
-    pub(super) fn touch(&mut self, world: &World, order: &Order) {
+    pub(super) fn touch(&mut self, world: &World, order: &StepOrder) {
         let now = self.tick(order.number);
         let action = world.domain().action(order.action);
         let arguments = &order.arguments;
@@ -163,7 +163,7 @@ impl Knowledge {
     }
 
     /// Records that an order has ended, in whatever way.
-    pub(super) fn ended(&mut self, world: &World, order: &Order) {
+    pub(super) fn ended(&mut self, world: &World, order: &StepOrder) {
         self.touch(world, order);
         self.ended = self.now.tick;
     }
@@ -180,7 +180,7 @@ impl Knowledge {
         }
         let listed = entries_of(world, fact).filter_map(|(subject, _)| self.entities.get(&subject).copied());
         let reported = self.predicates.get(&fact.predicate()).copied();
-        let alone = self.alone.filter(|_| Observation::is_without_subject(domain, fact));
+        let alone = self.alone.filter(|_| ObservedFacts::is_without_subject(domain, fact));
         listed.chain(own).chain(reported).chain(alone).max()
     }
 
@@ -236,7 +236,7 @@ impl Knowledge {
         if !changes {
             return None;
         }
-        let is_visible = Observation::can_show(world, reports, variable);
+        let is_visible = ObservedFacts::can_show(world, reports, variable);
         match (self.last_shown(world, variable), self.last_touched(world, variable)) {
             (Some(shown), touched) if touched.is_none_or(|touched| touched < shown) => {
                 (shown.tick < self.ended).then_some((Basis::Seen, Some(shown.order)))

@@ -43,13 +43,13 @@ pub use error::{BeginError, ExecutionError};
 pub use event::{Event, PlanText};
 pub use knowledge::{Basis, Unseen};
 pub use monitor::Noticed;
-pub use need::{Effect, Need, Order, Stop};
+pub use need::{Effect, Need, StepOrder, Stop};
 pub use resume::{ResumeError, Resumed};
 pub use settings::{Approval, Settings, Trust, Watch};
 
 use evidence::{Looks, TrustedProgress};
 use knowledge::Knowledge;
-use longstep_model::environment::{Environment, Observation, Statements};
+use longstep_model::environment::{Environment, ObservedFacts, Observation};
 use longstep_model::model::{State, StateVariable, World};
 use longstep_search::search::GroundAction;
 use longstep_verify::cursor::Cursor;
@@ -62,7 +62,7 @@ use written::messages;
 /// A verified plan that is carried out.
 ///
 /// ```
-/// use longstep_core::environment::{self, Observation};
+/// use longstep_core::environment::{self, ObservedFacts};
 /// use longstep_core::execution::{Aim, Approval, Execution, Need, Settings};
 /// use longstep_core::{domain, goal, model::apply, search, verify};
 /// let household = domain::shipped("household").unwrap().unwrap();
@@ -85,7 +85,7 @@ use written::messages;
 ///             execution.performed(order.number, None).unwrap();
 ///         }
 ///         Need::Observe => {
-///             let seen = Observation::statements(&world, &real, &everything, &[]);
+///             let seen = ObservedFacts::statements(&world, &real, &everything, &[]);
 ///             execution.observed(&seen).unwrap();
 ///         }
 ///         Need::Done => break,
@@ -110,7 +110,7 @@ pub struct Execution {
     /// True if the world was observed after the last completed step.
     seen_recent: bool,
     /// A look before an interruption, after which a person was asked and did not answer.
-    earlier_look: Option<Observation>,
+    earlier_look: Option<ObservedFacts>,
     knowledge: Knowledge,
     looks: Looks,
     /// The progress through the stages that was observed before the `recent` steps.
@@ -122,9 +122,9 @@ pub struct Execution {
     trusted: Vec<TrustedProgress>,
     /// True if a person has to approve the rest of the plan before the next order.
     unapproved: bool,
-    running: Vec<Order>,
+    running: Vec<StepOrder>,
     /// Orders that were under way at a crash.
-    interrupted: Vec<Order>,
+    interrupted: Vec<StepOrder>,
     orders: u64,
     /// The failures of each step since it last worked.
     failures: FxHashMap<GroundAction, u32>,
@@ -143,7 +143,7 @@ pub struct Execution {
     suspicious: bool,
     differences: Vec<Noticed>,
     /// The step that a person approved and that is not ordered yet.
-    approved: Option<Order>,
+    approved: Option<StepOrder>,
     phase: Phase,
     /// The phase before a stop after which the execution can be taken up again.
     suspended: Option<Box<Phase>>,
@@ -157,7 +157,7 @@ enum Phase {
     Active,
     Approving(Proposal),
     /// Waits for a person who knows about interrupted orders; with the observation after the crash.
-    Judging(Observation),
+    Judging(ObservedFacts),
     /// Waits for a person who knows whether something is so that no look has shown.
     Confirming(StateVariable, Unseen),
     Done,
@@ -253,14 +253,14 @@ impl Execution {
     }
 
     /// Returns the state that is known as an observation of every entity.
-    pub fn statements(&self) -> Statements {
+    pub fn statements(&self) -> Observation {
         let entities = self.world.entities().filter(|(_, entity)| !entity.is_value);
         let entities: Vec<_> = entities.map(|(id, _)| id).collect();
-        Observation::statements(&self.world, self.state(), &entities, &[])
+        ObservedFacts::statements(&self.world, self.state(), &entities, &[])
     }
 
     /// The orders that are under way.
-    pub fn running(&self) -> &[Order] {
+    pub fn running(&self) -> &[StepOrder] {
         &self.running
     }
 

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use super::{Event, Execution, ExecutionError, Phase, Stop};
-use longstep_model::environment::{Observation, Statements};
+use longstep_model::environment::{ObservedFacts, Observation};
 use longstep_model::model::{
     Changes, Difference, Fact, Fluent, State, StateVariable, StepPattern, Voice, World, apply, assigned,
     broken_bindings, changed_facts, fact_text, fired,
@@ -92,11 +92,11 @@ impl Execution {
     /// # Errors
     ///
     /// An observation that cannot be read in this world. It is still needed then.
-    pub fn observed(&mut self, statements: &Statements) -> Result<(), ExecutionError> {
+    pub fn observed(&mut self, statements: &Observation) -> Result<(), ExecutionError> {
         if self.is_ended() {
             return Err(ExecutionError::Ended);
         }
-        let observation = Observation::read(&self.world, &self.settings.reports, statements)?;
+        let observation = ObservedFacts::read(&self.world, &self.settings.reports, statements)?;
         self.events.push(Event::Observed {
             statements: statements.clone(),
         });
@@ -110,7 +110,7 @@ impl Execution {
     }
 
     /// Compares the prediction with an observation.
-    fn compare(&mut self, observation: &Observation) {
+    fn compare(&mut self, observation: &ObservedFacts) {
         self.knowledge
             .observed(observation, self.orders, &self.world, &self.running);
         self.looks.add(observation);
@@ -145,7 +145,7 @@ impl Execution {
     }
 
     /// Returns an observation together with a look of which the believed state knows nothing yet.
-    pub(super) fn with_earlier_look(&self, observation: Observation) -> Observation {
+    pub(super) fn with_earlier_look(&self, observation: ObservedFacts) -> ObservedFacts {
         match self.earlier_look.clone() {
             Some(earlier) => earlier.updated(&self.world, observation),
             None => observation,
@@ -168,7 +168,7 @@ impl Execution {
     }
 
     /// Marks the steps of which an observation shows that an effect did not come about; returns the events of these steps.
-    fn refuted_events(&mut self, observation: &Observation, masked: &FxHashSet<StateVariable>) -> Vec<Fact> {
+    fn refuted_events(&mut self, observation: &ObservedFacts, masked: &FxHashSet<StateVariable>) -> Vec<Fact> {
         let (mut events, mut takes_back) = (Vec::new(), false);
         for index in 0..self.recent.len() {
             let world = &self.world;
@@ -277,7 +277,7 @@ impl Execution {
 
     /// Decides by an observation which of the interrupted orders were done. Returns false if a person has to be asked
     /// about some of them.
-    fn settle_interrupted(&mut self, observation: &Observation) -> bool {
+    fn settle_interrupted(&mut self, observation: &ObservedFacts) -> bool {
         let seen = observation.revised(&self.world, self.state());
         for order in std::mem::take(&mut self.interrupted) {
             // Sensing changes nothing, so it is simply repeated.
@@ -286,7 +286,7 @@ impl Execution {
             }
             let action = self.world.domain().action(order.action);
             let Changes { facts, numbers } = apply(&self.world, &mut self.state().clone(), action, &order.arguments);
-            let can_show = |own: StateVariable| Observation::can_show(&self.world, &self.settings.reports, own);
+            let can_show = |own: StateVariable| ObservedFacts::can_show(&self.world, &self.settings.reports, own);
             let facts = facts.iter().filter(|own| can_show(StateVariable::Fact(own.fact)));
             let facts = facts.map(|own| {
                 let shown = observation.decides(&self.world, own.fact);

@@ -20,16 +20,16 @@ const LISTED: usize = 5;
 pub enum Need {
     /// A robot performs the step; then [`performed`](super::Execution::performed) or
     /// [`failed`](super::Execution::failed).
-    Perform(Order),
-    /// As [`Need::Perform`], for a step that reveals one of its [`Order::outcomes`].
-    Sense(Order),
+    Perform(StepOrder),
+    /// As [`Need::Perform`], for a step that reveals one of its [`StepOrder::outcomes`].
+    Sense(StepOrder),
     /// An observation; then [`observed`](super::Execution::observed).
     Observe,
     /// A decision of a person; then [`approve`](super::Execution::approve) or [`refuse`](super::Execution::refuse).
     Approve(Proposal),
     /// A person who knows whether a step that was under way at a crash was done; then
     /// [`judged`](super::Execution::judged).
-    Judge(Order),
+    Judge(StepOrder),
     /// A person who knows whether something is so that no look has shown; then
     /// [`confirmed`](super::Execution::confirmed).
     Confirm(Unseen),
@@ -43,7 +43,7 @@ pub enum Need {
 
 /// A step that a robot is to perform.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Order {
+pub struct StepOrder {
     /// The number of the order in the execution, from 1.
     pub number: u64,
     /// The step of the plan in force.
@@ -62,7 +62,7 @@ pub struct Order {
     pub skills: serde_json::Map<String, serde_json::Value>,
 }
 
-impl Order {
+impl StepOrder {
     /// Writes the action with all its arguments: `attach(<cup>, <shelf>)`.
     pub fn written(&self, world: &World) -> String {
         super::written::written_step(world, self.action, &self.arguments)

@@ -4,7 +4,7 @@ use rustc_hash::FxHashSet;
 
 use super::evidence::Looks;
 use super::monitor::Completed;
-use super::{Approval, Event, Execution, ExecutionError, Need, Order, Subject, Watch};
+use super::{Approval, Event, Execution, ExecutionError, Need, StepOrder, Subject, Watch};
 use longstep_model::model::{Fact, Moment, StateVariable, apply, holds};
 use longstep_search::search::GroundAction;
 use longstep_verify::cursor::CursorError;
@@ -32,7 +32,7 @@ impl Execution {
             self.propose(Subject::Plan);
             return None;
         }
-        let order = Order {
+        let order = StepOrder {
             number: self.orders + 1,
             step: id,
             lane: step.actor(domain),
@@ -67,7 +67,7 @@ impl Execution {
         self.forbidden.iter().any(|(own, _)| own == step)
     }
 
-    fn take_running(&mut self, number: u64) -> Result<Order, ExecutionError> {
+    fn take_running(&mut self, number: u64) -> Result<StepOrder, ExecutionError> {
         if self.is_ended() {
             return Err(ExecutionError::Ended);
         }
@@ -95,7 +95,7 @@ impl Execution {
     }
 
     /// Moves on behind a step.
-    pub(super) fn complete(&mut self, order: &Order, outcome: Option<Fact>) -> Result<(), CursorError> {
+    pub(super) fn complete(&mut self, order: &StepOrder, outcome: Option<Fact>) -> Result<(), CursorError> {
         let mut cursor = self.cursor.clone();
         let other = |fact: &&Fact| outcome.is_some_and(|seen| seen != **fact) && cursor.state().holds(**fact);
         let contradicts = order.outcomes.iter().find(other).copied();
@@ -135,7 +135,7 @@ impl Execution {
     }
 
     /// Notes that an order has ended: what it could have changed is not known until it is seen.
-    fn ended(&mut self, order: &Order) {
+    fn ended(&mut self, order: &StepOrder) {
         self.knowledge.ended(&self.world, order);
         self.looks = Looks::default();
     }

@@ -73,13 +73,13 @@ impl Real<'_> {
         }
     }
 
-    fn observation(&self, world: &World, reports: &[PredicateId]) -> Statements {
+    fn observation(&self, world: &World, reports: &[PredicateId]) -> Observation {
         let everything: Vec<EntityId> = world.entities().map(|(entity, _)| entity).collect();
-        Observation::statements(world, &self.state, &everything, reports)
+        ObservedFacts::statements(world, &self.state, &everything, reports)
     }
 
     /// Performs an order; returns false if it fails.
-    fn perform(&mut self, world: &World, order: &Order) -> bool {
+    fn perform(&mut self, world: &World, order: &StepOrder) -> bool {
         let action = world.domain().action(order.action);
         let moment = Moment {
             world,

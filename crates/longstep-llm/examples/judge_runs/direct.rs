@@ -1,8 +1,8 @@
 //! A run without a driver: each need is a question, and every call of the interface of an execution is an answer, wrong ones
 //! included.
 
-use longstep_core::environment::Statements;
-use longstep_core::execution::{Execution, ExecutionError, Need, Order, ProposalId, Stop};
+
+use longstep_core::execution::{Execution, ExecutionError, Need, StepOrder, ProposalId, Stop};
 use longstep_robot::{Observation, StopRequest, order_of};
 use serde_json::{Value, json};
 
@@ -12,7 +12,7 @@ use crate::pipe::Pipe;
 
 /// Runs an execution to its end; returns the reason of a stop.
 pub(crate) fn carry_out(pipe: Pipe, execution: &mut Execution, request: &StopRequest) -> Anyhow<Option<Stop>> {
-    let mut orders: Vec<Order> = Vec::new();
+    let mut orders: Vec<StepOrder> = Vec::new();
     loop {
         let need = execution.next_need();
         let events = execution.take_events();
@@ -48,7 +48,7 @@ pub(crate) fn carry_out(pipe: Pipe, execution: &mut Execution, request: &StopReq
     }
 }
 
-fn calling(execution: &mut Execution, orders: &[Order], call: &str, answer: &Value) -> Result<(), ExecutionError> {
+fn calling(execution: &mut Execution, orders: &[StepOrder], call: &str, answer: &Value) -> Result<(), ExecutionError> {
     let number = answer["order"].as_u64().unwrap_or_default();
     match call {
         "performed" => {
@@ -65,7 +65,7 @@ fn calling(execution: &mut Execution, orders: &[Order], call: &str, answer: &Val
         "refuse" => execution.refuse(),
         "observed" => {
             let seen: Observation = serde_json::from_value(answer["observation"].clone()).unwrap_or_default();
-            execution.observed(&Statements::from(seen))
+            execution.observed(&seen)
         }
         "approve" => match serde_json::from_value::<ProposalId>(answer["id"].clone()) {
             Ok(id) => execution.approve(&id),

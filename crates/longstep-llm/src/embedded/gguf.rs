@@ -76,7 +76,7 @@ pub(super) fn read(path: &Path) -> Result<Header, String> {
     if !metadata.is_file() {
         return Err("it is not a file".into());
     }
-    let mut source = Source {
+    let mut source = BoundedFile {
         file: BufReader::new(file),
         length: metadata.len(),
         place: 0,
@@ -84,7 +84,7 @@ pub(super) fn read(path: &Path) -> Result<Header, String> {
     header(&mut source)
 }
 
-fn header(source: &mut Source<impl Read + Seek>) -> Result<Header, String> {
+fn header(source: &mut BoundedFile<impl Read + Seek>) -> Result<Header, String> {
     if source.bytes::<4>().ok() != Some(*b"GGUF") {
         return Err("it is not a GGUF file".into());
     }
@@ -127,13 +127,13 @@ fn header(source: &mut Source<impl Read + Seek>) -> Result<Header, String> {
 const DAMAGED: &str = "its metadata is damaged or incomplete";
 
 /// A file from which nothing is read behind its end.
-struct Source<R> {
+struct BoundedFile<R> {
     file: R,
     length: u64,
     place: u64,
 }
 
-impl<R: Read + Seek> Source<R> {
+impl<R: Read + Seek> BoundedFile<R> {
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], String> {
         let mut bytes = [0; N];
         self.file.read_exact(&mut bytes).map_err(|_| DAMAGED)?;

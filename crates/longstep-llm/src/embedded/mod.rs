@@ -46,7 +46,7 @@ const CONTEXT_TOKENS: u32 = 8192;
 /// A job for the worker, with the channel for its result.
 enum Job {
     /// Answers a request.
-    Chat(ChatRequest, Sender<Event>),
+    Chat(ChatRequest, Sender<WorkerReport>),
     /// Counts the tokens of a message, and of the template around messages.
     Count(Message, Sender<Count>),
 }
@@ -58,7 +58,7 @@ struct Count {
 }
 
 /// The worker's report about a chat job.
-enum Event {
+enum WorkerReport {
     Progress(Progress),
     Done(Result<Reply, ModelError>),
 }
@@ -175,14 +175,14 @@ const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Passes progress on until the answer arrives. On a stop the receiver is dropped; the worker's next send fails, and it
 /// stops.
-fn follow(name: &str, answers: &Receiver<Event>, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
+fn follow(name: &str, answers: &Receiver<WorkerReport>, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
     loop {
         if watch.stop() {
             return Err(ModelError::Stopped);
         }
         match answers.recv_timeout(PATIENCE) {
-            Ok(Event::Progress(step)) => watch.tell(step),
-            Ok(Event::Done(answer)) => return answer,
+            Ok(WorkerReport::Progress(step)) => watch.tell(step),
+            Ok(WorkerReport::Done(answer)) => return answer,
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return Err(stopped(name, "its thread ended before the answer")),
         }

@@ -22,7 +22,7 @@ use super::prompt::{PromptTokens, Template};
 use super::sample::{Sampler, Score};
 use super::state::States;
 use super::vision::{PictureTokens, Vision};
-use super::{Count, Event, Job};
+use super::{Count, WorkerReport, Job};
 use crate::{ModelError, Progress, Sampling};
 
 /// A state is saved if at least this many tokens were computed: computing fewer is faster than saving.
@@ -78,9 +78,9 @@ pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, job
         // The caller may have given up; the worker goes on with the next job.
         match job {
             Job::Chat(request, events) => {
-                let mut tell = |progress| events.send(Event::Progress(progress)).is_ok();
+                let mut tell = |progress| events.send(WorkerReport::Progress(progress)).is_ok();
                 let answer = worker.answer(&request, &mut tell);
-                let _ = events.send(Event::Done(answer));
+                let _ = events.send(WorkerReport::Done(answer));
             }
             Job::Count(message, answer) => {
                 if let Ok(count) = worker.count(&message) {

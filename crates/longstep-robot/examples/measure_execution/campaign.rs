@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use longstep_core::environment::{Moment, State, Words, World, holds};
 use longstep_core::execution::{
-    Aim, Approval, Effect, Event, Execution, Need, Order as Wanted, Proposal, Settings, Stop, Unseen,
+    Aim, Approval, Effect, Event, Execution, Need, StepOrder as Wanted, Proposal, Settings, Stop, Unseen,
 };
 use longstep_core::json::Path as JsonPath;
 use longstep_core::search::{Limits, Outcome, solve};

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::description::{Description, Timeouts};
 use crate::error::RobotError;
-use crate::observation::Observation;
+use longstep_core::environment::Observation;
 use crate::robot::{Feedback, Progress};
 
 /// The version of the protocol that this crate speaks.

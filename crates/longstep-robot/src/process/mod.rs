@@ -25,7 +25,8 @@ use message::{initialized, observed};
 
 use crate::description::Description;
 use crate::error::RobotError;
-use crate::observation::{Observation, Scope};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 use crate::presence::{self, Presence};
 use crate::program::{Child, CommandLine, Watched};

@@ -288,7 +288,7 @@ impl Checker<'_> {
         }
         for name in &configuration.reports {
             let domain = self.domain;
-            let reportable = longstep_core::environment::Observation::reportable(domain);
+            let reportable = longstep_core::environment::ObservedFacts::reportable(domain);
             // What happened in an earlier plan must not count for this one.
             let lasting = reportable.iter().filter(|id| !domain.words(**id).event);
             let names = || lasting.clone().map(|id| domain.predicate(*id).name.as_str());

@@ -11,7 +11,7 @@ use super::connection::{Connection, Lost, Read};
 use super::echo::Echo;
 use super::mapping::{GoalEnd, Mapping};
 use super::message::{self, Goal, Incoming, broken};
-use super::stopping::{Ended, Limits, Stopping};
+use super::stopping::{Ended, StopFacts, Stopping};
 use crate::error::RobotError;
 use crate::order::Order;
 use crate::robot::{Feedback, Progress};
@@ -543,7 +543,7 @@ impl Link {
         let goals: BTreeMap<String, String> = under_way.map(|own| (own.id.clone(), own.goal.server.clone())).collect();
         self.orders.clear();
         let configuration = &self.mapping.configuration;
-        let limits = Limits {
+        let limits = StopFacts {
             stop: configuration.limits.stop,
             has_service: configuration.stop.is_some() && !goals.is_empty(),
             is_connected: self.connection.is_some(),

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::configuration::{ActionRule, Configuration};
 use super::file::Consequence;
 use super::message::{Goal, GoalStatus, quotation};
-use super::template::{Filter, Hole, Scope, Table, at};
+use super::template::{Filter, Hole, HoleValues, Table, at};
 use crate::error::RobotError;
 use crate::order::Order;
 use crate::robot::{Feedback, Progress};
@@ -203,7 +203,7 @@ struct OrderScope<'a> {
     tables: &'a BTreeMap<String, Table>,
 }
 
-impl Scope for OrderScope<'_> {
+impl HoleValues for OrderScope<'_> {
     fn value<'h>(&self, hole: &'h Hole) -> Result<(Value, &'h [Filter]), String> {
         let order = self.order;
         if let Some(place) = self.parameters.iter().position(|own| *own == hole.name) {

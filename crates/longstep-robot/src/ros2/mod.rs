@@ -48,7 +48,8 @@ use stopping::has_no_active_goal;
 
 use crate::description::{Description, Timeouts};
 use crate::error::RobotError;
-use crate::observation::{Observation, Scope};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 use crate::robot::{Progress, Robot, StopSwitch};
 

@@ -10,9 +10,9 @@ use serde_json::{Map, Value};
 use super::configuration::{Configuration, ObservationRule, SayRule};
 use super::file::Lists;
 use super::message::{broken, quotation};
-use super::template::{Filter, Hole, Scope, Table, Template, at};
+use super::template::{Filter, Hole, HoleValues, Table, Template, at};
 use crate::error::RobotError;
-use crate::observation::Observation;
+use longstep_core::environment::Observation;
 
 /// The most elements of one message.
 const ELEMENTS: usize = 100_000;
@@ -164,7 +164,7 @@ struct Element<'a> {
     tables: &'a BTreeMap<String, Table>,
 }
 
-impl Scope for Element<'_> {
+impl HoleValues for Element<'_> {
     fn value<'h>(&self, hole: &'h Hole) -> Result<(Value, &'h [Filter]), String> {
         let own = match (hole.name.as_str(), self.element) {
             ("value", plain @ (Value::String(_) | Value::Number(_) | Value::Bool(_))) => Some(plain),

@@ -50,7 +50,7 @@ pub(super) struct Ended {
 
 impl Stopping {
     /// Begins a stop for an error.
-    pub(super) fn new(error: RobotError, goals: BTreeMap<String, String>, prefix: &str, limits: Limits) -> Self {
+    pub(super) fn new(error: RobotError, goals: BTreeMap<String, String>, prefix: &str, limits: StopFacts) -> Self {
         let now = Instant::now();
         Self {
             error,
@@ -212,7 +212,7 @@ impl Stopping {
 
 /// The facts about a robot that a stop needs.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
+pub(super) struct StopFacts {
     pub(super) stop: Duration,
     pub(super) has_service: bool,
     pub(super) is_connected: bool,
@@ -257,7 +257,7 @@ mod tests {
     fn stopping(is_connected: bool, has_service: bool) -> Stopping {
         let goals = [("g1", "/left"), ("g2", "/right"), ("g3", "/right")];
         let goals = goals.map(|(id, server)| (id.to_owned(), server.to_owned())).into();
-        let limits = Limits {
+        let limits = StopFacts {
             stop: Duration::from_secs(2),
             has_service,
             is_connected,

@@ -81,7 +81,7 @@ pub(super) struct TemplateError {
 }
 
 /// The values of holes.
-pub(super) trait Scope {
+pub(super) trait HoleValues {
     /// Returns the value of a hole's name, and the filters that are left to apply.
     ///
     /// # Errors
@@ -156,7 +156,7 @@ impl Template {
     /// # Errors
     ///
     /// The reason why a hole has no value.
-    pub(super) fn fill(&self, scope: &dyn Scope) -> Result<Value, String> {
+    pub(super) fn fill(&self, scope: &dyn HoleValues) -> Result<Value, String> {
         Ok(match self {
             Self::Constant(value) => value.clone(),
             Self::Text(pieces) => match &pieces[..] {
@@ -184,7 +184,7 @@ impl Template {
     }
 
     /// Fills the holes of a text; other values are written as text.
-    pub(super) fn fill_text(&self, scope: &dyn Scope) -> Result<String, String> {
+    pub(super) fn fill_text(&self, scope: &dyn HoleValues) -> Result<String, String> {
         self.fill(scope).map(|value| plain(&value))
     }
 }
@@ -239,7 +239,7 @@ fn pieces(text: &str) -> Result<Vec<Piece>, TemplateError> {
     Ok(pieces)
 }
 
-fn filled(hole: &Hole, scope: &dyn Scope) -> Result<Value, String> {
+fn filled(hole: &Hole, scope: &dyn HoleValues) -> Result<Value, String> {
     let (mut value, filters) = scope.value(hole)?;
     for filter in filters {
         value = match filter {
@@ -287,7 +287,7 @@ mod tests {
 
     struct Words(Value, Table);
 
-    impl Scope for Words {
+    impl HoleValues for Words {
         fn value<'h>(&self, hole: &'h Hole) -> Result<(Value, &'h [Filter]), String> {
             let value = at(&self.0, &hole.name).cloned();
             value

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use longstep_core::environment::{Observation as Seen, Statements, World};
+use longstep_core::environment::{ObservedFacts as Seen, Observation, World};
 use longstep_core::model::Domain;
 use serde_json::Value;
 
@@ -161,8 +161,7 @@ impl Ros2 {
                 return Ok(format!("entities described: {entities}"));
             };
             let reported = reports(self as &dyn Robot, world)?;
-            let statements: Statements = observation.into();
-            let seen = Seen::read(world, &reported, &statements);
+            let seen = Seen::read(world, &reported, &observation);
             let seen = seen.map_err(|error| message::broken(error.to_string()))?;
             Ok(match seen.unknown.len() {
                 0 => format!("entities described: {entities}, all in the environment"),

@@ -13,14 +13,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use longstep_core::environment::{EntityId, Fact, Moment, Observation as Seen, State, World, holds};
+use longstep_core::environment::{EntityId, Fact, Moment, ObservedFacts as Seen, State, World, holds};
 use longstep_core::model::{ActionId, PredicateId, apply, unmet};
 use longstep_core::plan::Step;
 use longstep_core::schedule::independent;
 
 use crate::description::Description;
 use crate::error::RobotError;
-use crate::observation::{Observation, Scope};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 use crate::order::Order;
 use crate::robot::{Feedback, Handle, Progress, Robot, StopSwitch};
 
@@ -43,7 +44,7 @@ use random::Random;
 ///     while let Progress::Running(_) = sim.poll(handle)? {}
 /// }
 /// let seen = sim.observe(&Scope::All)?;
-/// assert_eq!(seen.statements("<pen>").unwrap(), ["on_something(<desk>)", "inside_hand()"]);
+/// assert_eq!(seen.of_entity("<pen>").unwrap(), ["on_something(<desk>)", "inside_hand()"]);
 /// # Ok::<(), longstep_robot::RobotError>(())
 /// ```
 #[derive(Debug)]
@@ -324,7 +325,7 @@ impl Robot for Sim {
             entities.retain(|_| random.below(100) < sees);
         }
         entities.retain(|entity| !self.world.entity(*entity).is_value);
-        Ok(Seen::statements(&self.world, &self.state, &entities, &self.reports).into())
+        Ok(Seen::statements(&self.world, &self.state, &entities, &self.reports))
     }
 
     fn stop(&mut self) -> Result<(), RobotError> {

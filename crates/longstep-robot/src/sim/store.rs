@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{Read, Write};
 use std::path::Path;
 
-use longstep_core::environment::{EntityId, Observation as Seen, Statements};
+use longstep_core::environment::{EntityId, ObservedFacts as Seen, Observation};
 
 use super::Sim;
 use crate::error::RobotError;
@@ -30,7 +30,7 @@ impl Sim {
         let mut text = String::new();
         let read = file.take(LARGEST).read_to_string(&mut text);
         read.map_err(|error| unreachable(error.to_string()))?;
-        let statements: Statements = serde_json::from_str(&text).map_err(|error| unreachable(error.to_string()))?;
+        let statements: Observation = serde_json::from_str(&text).map_err(|error| unreachable(error.to_string()))?;
         let seen = Seen::read(&self.world, &self.reports, &statements);
         let seen = seen.map_err(|error| unreachable(error.to_string()))?;
         self.state = seen.revised(&self.world, &self.state);

@@ -43,7 +43,7 @@ pub struct Simulator {
 
 /// The answer to a request.
 #[derive(Debug, Deserialize)]
-struct Answer {
+struct ApiAnswer {
     success: bool,
     #[serde(default)]
     message: Value,
@@ -54,7 +54,7 @@ struct Answer {
 }
 
 /// A request, and whether a stop ends the wait for its answer.
-struct Request<'a> {
+struct ApiRequest<'a> {
     action: &'static str,
     numbers: &'a [i64],
     texts: &'a [String],
@@ -62,7 +62,7 @@ struct Request<'a> {
     is_cancelled_by_stop: bool,
 }
 
-impl<'a> Request<'a> {
+impl<'a> ApiRequest<'a> {
     fn new(action: &'static str, numbers: &'a [i64], texts: &'a [String], limit: Duration) -> Self {
         Self {
             action,
@@ -135,7 +135,7 @@ impl Simulator {
     /// Waits until the simulator answers. It answers one request after the other: a line of an earlier client, which was killed, has
     /// ended then.
     pub(super) fn settle(&self, limit: Duration) -> Result<(), RobotError> {
-        match self.request(&Request::new("idle", &[], &[], limit)) {
+        match self.request(&ApiRequest::new("idle", &[], &[], limit)) {
             Ok(_) => Ok(()),
             Err(RobotError::Gone { reason, .. }) => Err(RobotError::Unreachable {
                 robot: self.shown.clone(),
@@ -152,8 +152,8 @@ impl Simulator {
     /// A refusal, and every failure of the connection.
     pub fn reset(&self, scene: Option<i64>) -> Result<(), RobotError> {
         let scene: Vec<i64> = scene.into_iter().collect();
-        self.accepted("clear", &Request::new("clear", &scene, &[], LOAD))?;
-        self.accepted("environment", &Request::new("environment", &scene, &[], LOAD))?;
+        self.accepted("clear", &ApiRequest::new("clear", &scene, &[], LOAD))?;
+        self.accepted("environment", &ApiRequest::new("environment", &scene, &[], LOAD))?;
         Ok(())
     }
 
@@ -163,7 +163,7 @@ impl Simulator {
     ///
     /// A refusal, an answer that is no graph, and every failure of the connection.
     pub fn graph(&self) -> Result<Graph, RobotError> {
-        let request = Request::new("environment_graph", &[], &[], QUESTION);
+        let request = ApiRequest::new("environment_graph", &[], &[], QUESTION);
         let answer = self.accepted("environment_graph", &request)?;
         let Value::String(text) = &answer.message else {
             return Err(protocol("`environment_graph` has no text in `message`"));
@@ -188,7 +188,7 @@ impl Simulator {
             "initial_room": room.unwrap_or_default(),
         });
         let texts = [wanted.to_string()];
-        self.accepted("add_character", &Request::new("add_character", &[], &texts, LOAD))?;
+        self.accepted("add_character", &ApiRequest::new("add_character", &[], &texts, LOAD))?;
         Ok(())
     }
 
@@ -206,9 +206,9 @@ impl Simulator {
             "recording": false, "image_width": width, "image_height": height, "time_scale": 1.0, "skip_animation": false,
         });
         let texts = [config.to_string(), line.to_string()];
-        let request = Request {
+        let request = ApiRequest {
             is_cancelled_by_stop: false,
-            ..Request::new("render_script", &[], &texts, limit)
+            ..ApiRequest::new("render_script", &[], &texts, limit)
         };
         let answer = self.request(&request)?;
         Ok(if answer.success {
@@ -224,10 +224,10 @@ impl Simulator {
     ///
     /// A simulator without cameras, and every failure of the connection.
     pub fn picture(&self) -> Result<Vec<u8>, RobotError> {
-        let count = self.accepted("camera_count", &Request::new("camera_count", &[], &[], QUESTION))?;
+        let count = self.accepted("camera_count", &ApiRequest::new("camera_count", &[], &[], QUESTION))?;
         let names = self.accepted(
             "character_cameras",
-            &Request::new("character_cameras", &[], &[], QUESTION),
+            &ApiRequest::new("character_cameras", &[], &[], QUESTION),
         )?;
         let count = count.value.as_i64().filter(|count| *count > 0);
         let count = count.ok_or_else(|| refused("camera_count", "there is no camera"))?;
@@ -235,7 +235,7 @@ impl Simulator {
         let (width, height) = PICTURE;
         let size = json!({ "mode": "normal", "image_width": width, "image_height": height });
         let texts = [size.to_string()];
-        let answer = self.accepted("camera_image", &Request::new("camera_image", &camera, &texts, QUESTION))?;
+        let answer = self.accepted("camera_image", &ApiRequest::new("camera_image", &camera, &texts, QUESTION))?;
         let text = answer.message_list.and_then(|pictures| pictures.into_iter().next());
         let text = text.ok_or_else(|| protocol("`camera_image` has no picture"))?;
         let picture = STANDARD.decode(text.trim());
@@ -243,7 +243,7 @@ impl Simulator {
     }
 
     /// Sends a request that must succeed.
-    fn accepted(&self, method: &str, request: &Request<'_>) -> Result<Answer, RobotError> {
+    fn accepted(&self, method: &str, request: &ApiRequest<'_>) -> Result<ApiAnswer, RobotError> {
         let answer = self.request(request)?;
         if answer.success {
             Ok(answer)
@@ -252,7 +252,7 @@ impl Simulator {
         }
     }
 
-    fn request(&self, request: &Request<'_>) -> Result<Answer, RobotError> {
+    fn request(&self, request: &ApiRequest<'_>) -> Result<ApiAnswer, RobotError> {
         if self.is_stopped() {
             return Err(RobotError::Stopped);
         }
@@ -281,7 +281,7 @@ impl Simulator {
     }
 
     /// Sends a body and returns the answer's, within the time and the limit of bytes.
-    async fn exchange(&self, request: &Request<'_>, body: String) -> Result<Vec<u8>, RobotError> {
+    async fn exchange(&self, request: &ApiRequest<'_>, body: String) -> Result<Vec<u8>, RobotError> {
         let begun = Instant::now();
         let post = self.client.post(&self.url);
         let post = post.header("Content-Type", "application/json").body(body);

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use indexmap::IndexMap;
-use longstep_core::environment::{Environment, Statements, Words, World};
+use longstep_core::environment::{Environment, Observation, Words, World};
 
 use super::graph::{Edge, Graph, Node};
 
@@ -175,7 +175,7 @@ fn properties(node: &Node) -> Vec<&'static str> {
 ///
 /// The rooms of objects are those of the world's environment: the domain does not follow what is carried from room to
 /// room.
-pub fn statements(graph: &Graph, world: &World) -> Statements {
+pub fn statements(graph: &Graph, world: &World) -> Observation {
     let environment = world.environment();
     let nodes = graph.nodes.iter().map(|node| (node.identifier(), node));
     let nodes: IndexMap<String, &Node> = nodes.collect();
@@ -202,5 +202,5 @@ pub fn statements(graph: &Graph, world: &World) -> Statements {
         words.extend(conditions(node).map(str::to_owned));
         states.insert(name.clone(), Words::Many(words));
     }
-    Statements { states, facts: None }
+    Observation { states, facts: None }
 }

@@ -14,7 +14,8 @@ use super::options::VirtualHomeOptions;
 use super::script::{Line, entity};
 use crate::description::{Description, Timeouts};
 use crate::error::RobotError;
-use crate::observation::{Observation, Scope};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 use crate::robot::{Feedback, Progress, Robot, StopSwitch};
 
@@ -242,7 +243,7 @@ impl Robot for VirtualHome {
     fn observe(&mut self, _: &Scope) -> Result<Observation, RobotError> {
         self.check()?;
         match self.simulator.graph() {
-            Ok(graph) => Ok(statements(&graph, &self.world).into()),
+            Ok(graph) => Ok(statements(&graph, &self.world)),
             Err(error) if error.is_final() => Err(self.failed(error)),
             Err(error) => Err(error),
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use longstep_core::environment::World;
-use longstep_core::execution::{Aim, Approval, Event, Execution, Order, Proposal, Settings, Stop, Unseen};
+use longstep_core::execution::{Aim, Approval, Event, Execution, StepOrder, Proposal, Settings, Stop, Unseen};
 use longstep_core::search::{self, Outcome};
 use longstep_core::verify::{self, VerifiedPlan};
 use longstep_core::{domain, environment, goal};
@@ -46,7 +46,7 @@ impl Watcher for Keeping {
         Some(true)
     }
 
-    fn judge(&mut self, _: &Execution, _: &Order) -> Option<bool> {
+    fn judge(&mut self, _: &Execution, _: &StepOrder) -> Option<bool> {
         None
     }
 

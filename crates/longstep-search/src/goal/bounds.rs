@@ -9,7 +9,7 @@ use longstep_model::model::{Arithmetic, Comparison, Fluent, GroundExpression, Gr
 /// Returns true if no numbers satisfy all requirements, as far as comparisons of one number with a constant, or of two
 /// numbers, show.
 pub(super) fn are_contradictory<'t>(tests: impl IntoIterator<Item = &'t GroundTest>) -> bool {
-    let mut bounds = Bounds::default();
+    let mut bounds = DifferenceBounds::default();
     let (mut known, mut unknown): (Vec<Fluent>, Vec<&GroundExpression>) = (Vec::new(), Vec::new());
     for test in tests {
         match test {
@@ -81,7 +81,7 @@ impl Difference {
 
 /// Bounds on the differences of numbers.
 #[derive(Debug, Default)]
-struct Bounds {
+struct DifferenceBounds {
     /// The numbers, from 1 on; 0 stands for the number zero.
     fluents: Vec<Fluent>,
     /// The first number minus the second one is at most this.
@@ -90,7 +90,7 @@ struct Bounds {
     not: Vec<(usize, usize, i128)>,
 }
 
-impl Bounds {
+impl DifferenceBounds {
     /// Adds the comparison of a difference with zero; ignores sums of more than two numbers.
     fn add(&mut self, difference: &Difference, comparison: Comparison) {
         let (first, second) = match (&difference.added[..], &difference.subtracted[..]) {

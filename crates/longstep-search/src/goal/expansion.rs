@@ -108,8 +108,8 @@ pub(super) fn goals(world: &World, text: &str) -> Result<Expansion, GoalError> {
 
 /// Returns the first reading without an error, else the first error, preferably one in a reading with known names.
 fn first(
-    readings: Vec<Vec<Piece<'_>>>,
-    expand: impl Fn(Vec<Piece<'_>>) -> Result<Expansion, GoalError>,
+    readings: Vec<Vec<TextPiece<'_>>>,
+    expand: impl Fn(Vec<TextPiece<'_>>) -> Result<Expansion, GoalError>,
 ) -> Result<Expansion, GoalError> {
     let mut errors = Vec::new();
     for pieces in readings {
@@ -128,7 +128,7 @@ fn first(
 
 /// A piece of a text with groups.
 #[derive(Debug, Clone, Copy)]
-enum Piece<'t> {
+enum TextPiece<'t> {
     Text(&'t str),
     Group(&'t str),
 }
@@ -136,16 +136,16 @@ enum Piece<'t> {
 /// Returns the ways to divide a text into groups and the text around them; none for a text without groups.
 ///
 /// A comma ends a group, or continues its list of exceptions. The shortest groups come first.
-fn readings<'t>(world: &World, text: &'t str) -> Vec<Vec<Piece<'t>>> {
+fn readings<'t>(world: &World, text: &'t str) -> Vec<Vec<TextPiece<'t>>> {
     let Some((start, ends)) = first_group(world, text) else {
         return Vec::new();
     };
     let mut all = Vec::new();
     for end in ends {
-        let own = [Piece::Text(&text[..start]), Piece::Group(&text[start..end])];
+        let own = [TextPiece::Text(&text[..start]), TextPiece::Group(&text[start..end])];
         let mut rests = readings(world, &text[end..]);
         if rests.is_empty() {
-            rests.push(vec![Piece::Text(&text[end..])]);
+            rests.push(vec![TextPiece::Text(&text[end..])]);
         }
         all.extend(rests.into_iter().map(|rest| [&own[..], &rest].concat()));
         if all.len() >= READINGS {
@@ -211,7 +211,7 @@ fn ends(text: &str, start: usize) -> Vec<usize> {
 
 /// A text with groups in some places.
 struct Places<'t> {
-    pieces: Vec<Piece<'t>>,
+    pieces: Vec<TextPiece<'t>>,
     groups: Vec<Group>,
 }
 
@@ -219,10 +219,10 @@ struct Places<'t> {
 type Leaves<T> = Vec<(Vec<EntityId>, T)>;
 
 impl<'t> Places<'t> {
-    fn read(world: &World, pieces: Vec<Piece<'t>>) -> Result<Self, GoalError> {
+    fn read(world: &World, pieces: Vec<TextPiece<'t>>) -> Result<Self, GoalError> {
         let groups = pieces.iter().filter_map(|piece| match piece {
-            Piece::Text(_) => None,
-            Piece::Group(text) => Some(Group::read(world, text.trim())),
+            TextPiece::Text(_) => None,
+            TextPiece::Group(text) => Some(Group::read(world, text.trim())),
         });
         let groups = groups.collect::<Result<Vec<Group>, GoalError>>()?;
         Ok(Self { pieces, groups })
@@ -230,8 +230,8 @@ impl<'t> Places<'t> {
 
     /// Returns the text as it was written.
     fn written(&self) -> String {
-        let piece = |piece: &Piece<'t>| match piece {
-            Piece::Text(text) | Piece::Group(text) => *text,
+        let piece = |piece: &TextPiece<'t>| match piece {
+            TextPiece::Text(text) | TextPiece::Group(text) => *text,
         };
         self.pieces.iter().map(piece).collect()
     }
@@ -239,9 +239,9 @@ impl<'t> Places<'t> {
     /// Returns the text with the identifiers of members in the places of the groups.
     fn text_of(&self, world: &World, members: &[EntityId]) -> String {
         let mut members = members.iter();
-        let piece = |piece: &Piece<'t>| match piece {
-            Piece::Text(text) => *text,
-            Piece::Group(_) => members
+        let piece = |piece: &TextPiece<'t>| match piece {
+            TextPiece::Text(text) => *text,
+            TextPiece::Group(_) => members
                 .next()
                 .map_or("", |member| world.entity(*member).identifier.as_str()),
         };
@@ -375,8 +375,8 @@ impl<'t> Places<'t> {
             }
             let fits = |member: &EntityId| {
                 let elsewhere = self.pieces.iter().any(|piece| match piece {
-                    Piece::Text(text) => names(world, text, *member),
-                    Piece::Group(_) => false,
+                    TextPiece::Text(text) => names(world, text, *member),
+                    TextPiece::Group(_) => false,
                 });
                 elsewhere || leaves.iter().any(|(members, _)| members[place] == *member)
             };

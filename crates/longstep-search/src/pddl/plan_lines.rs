@@ -60,7 +60,7 @@ impl Lines {
         let named = [Form::Call, Form::Counted, Form::Priced].map(|form| {
             let mut lines = text.lines().map(|line| Reader::new(line, 1).line(&is_action, &[]));
             lines
-                .any(|found| matches!(found, Found::Step(step) if step.form == form))
+                .any(|found| matches!(found, PlanLine::Step(step) if step.form == form))
                 .then_some(form)
         });
         let forms: Vec<Form> = named.into_iter().flatten().collect();
@@ -75,14 +75,14 @@ impl Lines {
             let Some(plan) = plans.last_mut() else { continue };
             let reader = Reader::new(line, index + 1);
             match reader.line(&is_action, &forms) {
-                Found::Step(step) => {
+                PlanLine::Step(step) => {
                     plan.steps.push(step);
                     plan.between.append(&mut behind);
                 }
-                Found::Misfit(position) => plan.misfits.push(position),
-                Found::Nothing if line.trim().is_empty() || line.trim_start().starts_with([';', '#']) => {}
-                Found::Nothing if plan.steps.is_empty() => {}
-                Found::Nothing => behind.push(Reader::new(line, index + 1).position(0)),
+                PlanLine::Misfit(position) => plan.misfits.push(position),
+                PlanLine::Nothing if line.trim().is_empty() || line.trim_start().starts_with([';', '#']) => {}
+                PlanLine::Nothing if plan.steps.is_empty() => {}
+                PlanLine::Nothing => behind.push(Reader::new(line, index + 1).position(0)),
             }
         }
         plans.retain(|plan| !plan.steps.is_empty() || !plan.misfits.is_empty());
@@ -124,7 +124,7 @@ fn begins_a_plan(line: &str) -> bool {
     .any(|words| line.contains(words))
 }
 
-enum Found {
+enum PlanLine {
     Step(Line),
     Misfit(Position),
     Nothing,
@@ -175,7 +175,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads the line; a step in one of `forms` may have any name.
-    fn line(mut self, is_action: &impl Fn(&str) -> bool, forms: &[Form]) -> Found {
+    fn line(mut self, is_action: &impl Fn(&str) -> bool, forms: &[Form]) -> PlanLine {
         self.skip(0);
         if self.rest.starts_with("- ") || self.rest.starts_with("* ") {
             self.skip(2);
@@ -198,26 +198,26 @@ impl<'a> Reader<'a> {
                     self.skip(1);
                     (inside, behind)
                 }
-                _ => return Found::Misfit(position),
+                _ => return PlanLine::Misfit(position),
             },
             None => return self.bare(start, is_counted || is_listed, is_action, forms),
         };
         let words = self.words(inside, &[]);
         if words.is_empty() {
-            Found::Misfit(position)
+            PlanLine::Misfit(position)
         } else {
             self.step(Form::Bracketed, words, start, behind)
         }
     }
 
     /// Reads a step without brackets, or with brackets behind its name.
-    fn bare(self, start: Option<f64>, is_counted: bool, is_action: &impl Fn(&str) -> bool, forms: &[Form]) -> Found {
+    fn bare(self, start: Option<f64>, is_counted: bool, is_action: &impl Fn(&str) -> bool, forms: &[Form]) -> PlanLine {
         let end = |c: char| c.is_whitespace() || matches!(c, '(' | ',' | ':');
         let name = self.rest.split(end).next().unwrap_or_default();
         let is_named = is_action(&name.to_ascii_lowercase());
         let begins = name.starts_with(char::is_alphabetic);
         if !is_named && (!begins || forms.is_empty()) {
-            return Found::Nothing;
+            return PlanLine::Nothing;
         }
         let may_be = |form: Form, is_whole: bool| is_named || (is_whole && forms.contains(&form));
         let behind_name = self.rest[name.len()..].trim_start();
@@ -238,7 +238,7 @@ impl<'a> Reader<'a> {
                 let words = self.words(inside, &['(', ',', ')']);
                 self.step(Form::Call, words, start, behind)
             } else {
-                Found::Nothing
+                PlanLine::Nothing
             };
         }
         let (words, cost) = match self.rest.rsplit_once('(') {
@@ -247,13 +247,13 @@ impl<'a> Reader<'a> {
         };
         let form = match cost {
             Some(cost) if cost.strip_suffix(')').is_some_and(|cost| cost.parse::<f64>().is_ok()) => Form::Priced,
-            Some(_) => return Found::Nothing,
+            Some(_) => return PlanLine::Nothing,
             // Behind the first step, `1: PICK-UP C` counts too.
             None if is_counted || start.is_some() => Form::Counted,
-            None => return Found::Nothing,
+            None => return PlanLine::Nothing,
         };
         if !may_be(form, true) {
-            return Found::Nothing;
+            return PlanLine::Nothing;
         }
         let words = self.words(words.split('[').next().unwrap_or_default(), &[]);
         self.step(form, words, start, "")
@@ -278,10 +278,10 @@ impl<'a> Reader<'a> {
         words
     }
 
-    fn step(&self, form: Form, words: Vec<Word>, start: Option<f64>, behind: &str) -> Found {
+    fn step(&self, form: Form, words: Vec<Word>, start: Option<f64>, behind: &str) -> PlanLine {
         let behind = behind.trim_start();
         let duration = behind.strip_prefix('[').and_then(|rest| rest.split_once(']'));
-        Found::Step(Line {
+        PlanLine::Step(Line {
             form,
             words,
             start,

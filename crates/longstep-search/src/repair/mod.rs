@@ -202,10 +202,10 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
         expanded: 0,
         exhausted: false,
     };
-    let way = search.way(limit, &requirements, &about);
+    let best = search.best(limit, &requirements, &about);
     let (expanded, exhausted) = (search.expanded, search.exhausted);
-    match way {
-        Found::Path(way) => match follow(world, draft, purpose, &meant, way, expanded) {
+    match best {
+        Found::Path(best) => match follow(world, draft, purpose, &meant, best, expanded) {
             Some(repaired) => RepairOutcome::Repaired(Box::new(repaired)),
             None => RepairOutcome::GaveUp {
                 why: "the repair that was found with what surrounds the plan does not work in the whole world"
@@ -255,7 +255,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Finds a cheap repair with entities near the plan, then uses the whole world to prove that none is cheaper or to
     /// find a cheaper one.
-    fn way(&mut self, limit: usize, requirements: &Requirements, about: &[EntityId]) -> Found<Way> {
+    fn best(&mut self, limit: usize, requirements: &Requirements, about: &[EntityId]) -> Found<RepairMoves> {
         let whole = Scope::whole(self.world, requirements);
         let near = whole.around(self.world, requirements, about, false);
         // In a small world, the first search would save nothing.
@@ -280,11 +280,11 @@ impl Search<'_> {
         }
         let (limit, below) = match &best {
             // In a large world this proof takes most of the time of a repair.
-            Found::Path(way) => (limit.min(PROOF), Some(way.cost)),
+            Found::Path(best) => (limit.min(PROOF), Some(best.cost)),
             Found::Nothing | Found::Limit => (limit, None),
         };
         match (self.within(&whole, limit, below), &mut best) {
-            (Found::Nothing, Found::Path(way)) => way.cheapest = true,
+            (Found::Nothing, Found::Path(best)) => best.cheapest = true,
             (Found::Limit, Found::Path(_)) => {}
             (found, best) => *best = found,
         }
@@ -292,13 +292,13 @@ impl Search<'_> {
     }
 
     /// Finds the cheapest repair in scope, or any repair if the limit is reached first.
-    fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
-        let spent = effort::within(SEARCH_EFFORT, || self.way_within(scope, limit, below));
+    fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<RepairMoves> {
+        let spent = effort::within(SEARCH_EFFORT, || self.best_within(scope, limit, below));
         self.exhausted |= spent.exhausted;
         if spent.exhausted { Found::Limit } else { spent.result }
     }
 
-    fn way_within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
+    fn best_within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<RepairMoves> {
         let compiled = compile::compile(self.world, scope, self.draft, self.purpose, self.pins);
         let (task, moves) = compiled.task(self.domain, self.meant);
         let task = reduce(task);
@@ -314,7 +314,7 @@ impl Search<'_> {
         match found {
             Found::Path(path) => {
                 let operators = || path.iter().map(|number| &task.operators[*number as usize]);
-                Found::Path(Way {
+                Found::Path(RepairMoves {
                     moves: operators()
                         .map(|operator| moves[operator.tag as usize].clone())
                         .collect(),
@@ -330,7 +330,7 @@ impl Search<'_> {
 
 /// The moves of a repair.
 #[derive(Debug, Clone)]
-struct Way {
+struct RepairMoves {
     moves: Vec<Move>,
     cost: u32,
     /// True if it is proven that no repair costs less.
@@ -343,16 +343,16 @@ fn follow(
     draft: &Resolved,
     purpose: &Purpose,
     meant: &Meant,
-    way: Way,
+    best: RepairMoves,
     expanded: usize,
 ) -> Option<Repaired> {
     let mut given_up = meant.impossible.clone();
-    given_up.extend(way.moves.iter().filter_map(|next| match next {
+    given_up.extend(best.moves.iter().filter_map(|next| match next {
         Move::Forgo(fact) => Some(*fact),
         _ => None,
     }));
     given_up.sort_unstable();
-    let script = Script::of(world, draft, &way.moves);
+    let script = Script::of(world, draft, &best.moves);
     let mut purpose = purpose.clone();
     // A repair pursues claimed facts, and leaves numbers to the steps that bring them about.
     purpose.claim = purpose.claim.map(|claim| claim.without(&given_up).without_numbers());
@@ -361,8 +361,8 @@ fn follow(
     Some(Repaired {
         plan: report.into_verified().ok()?,
         edits,
-        cost: way.cost,
-        cheapest: way.cheapest,
+        cost: best.cost,
+        cheapest: best.cheapest,
         given_up,
         expanded,
     })

@@ -13,19 +13,19 @@ pub(super) struct Footprint {
     reads: FxHashMap<Fact, bool>,
     writes: Writes,
     /// The numbers that it reads, and those that it changes.
-    numbers: Numbers,
+    numbers: StepNumbers,
     /// The objects among its arguments.
     things: Vec<EntityId>,
 }
 
 /// The numbers that a step reads and changes.
 #[derive(Debug, Clone, Default)]
-struct Numbers {
+struct StepNumbers {
     reads: FxHashSet<Fluent>,
     writes: FxHashSet<Fluent>,
 }
 
-impl Numbers {
+impl StepNumbers {
     /// Returns the numbers of a step in a state.
     fn of(world: &World, state: &State, step: &Step) -> Self {
         let action = world.domain().action(step.action);
@@ -62,7 +62,7 @@ pub(super) struct Grounded {
     /// The meanings that its literals number, with their values.
     facts: Vec<(Meaning, bool)>,
     /// The numbers that its effects read and change.
-    numbers: Numbers,
+    numbers: StepNumbers,
     things: Vec<EntityId>,
 }
 
@@ -75,7 +75,7 @@ impl Grounded {
         let (operator, facts) = ground_step(world, ground);
         let handled = |entity: &EntityId| world.is_of_kind(*entity, world.domain().environment.object);
         Self {
-            numbers: Numbers::of(world, state, step),
+            numbers: StepNumbers::of(world, state, step),
             operator,
             facts: facts.into_iter().map(|own| (own.clone(), own.holds(state))).collect(),
             things: step.arguments.iter().copied().filter(handled).collect(),

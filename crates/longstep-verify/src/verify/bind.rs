@@ -95,7 +95,7 @@ pub fn bind_as_far(world: &World, steps: &[DraftStep], objects: &[EntityId], cla
         arguments,
         assumptions,
         exhausted,
-    } = bind_way(world, &world.state, &turns, objects, claim);
+    } = bind_path(world, &world.state, &turns, objects, claim);
     let missing = match steps.get(arguments.len()) {
         _ if exhausted => Some(Violation::TooMuchWork),
         Some(step) => Some(nothing_fits(world.domain(), arguments.len(), step)),
@@ -134,7 +134,7 @@ pub(super) struct WayArguments {
 }
 
 /// Binds the steps of one execution path from the state `start`, as far as possible.
-pub(super) fn bind_way(
+pub(super) fn bind_path(
     world: &World,
     start: &State,
     turns: &[Turn],

@@ -4,7 +4,7 @@
 //! sequential plan and keeps the arguments that earlier paths have fixed. The condition values that a path assumes are
 //! known from there on, like outcomes of sensing.
 
-use super::bind::{Learned, Turn, bind_way, bound, learn, nothing_fits};
+use super::bind::{Learned, Turn, bind_path, bound, learn, nothing_fits};
 use super::{Assumption, Violation, claims};
 use crate::plan::{DraftStep, Node, Plan, Resolved, StepId, Test, lanes, tree};
 use longstep_model::effort;
@@ -31,7 +31,7 @@ pub fn bind_tree(
     let mut steps = resolved.complete().map_err(<[Violation]>::to_vec)?;
     let mut assumptions = Vec::new();
     let spent = effort::within(effort::OPERATION, || {
-        bind_ways(world, resolved, claim, &mut steps, &mut assumptions)
+        bind_paths(world, resolved, claim, &mut steps, &mut assumptions)
     });
     if spent.exhausted || !spent.result {
         return Err(vec![Violation::TooMuchWork]);
@@ -55,7 +55,7 @@ pub fn bind_tree(
 
 /// Binds path after path until every step has been on one, then each remaining step on its own. Returns false if the
 /// budget is exceeded.
-fn bind_ways(
+fn bind_paths(
     world: &World,
     resolved: &Resolved,
     claim: Option<&Claim>,
@@ -70,19 +70,19 @@ fn bind_ways(
         target: None,
     };
     for _ in 0..WAYS {
-        let Some(way) = chooser.next(&resolved.body) else {
+        let Some(path) = chooser.next(&resolved.body) else {
             break;
         };
-        let turns: Vec<Turn> = way.turns(steps, resolved);
+        let turns: Vec<Turn> = path.turns(steps, resolved);
         let mut start = world.state.clone();
-        for (fact, holds) in &way.before {
+        for (fact, holds) in &path.before {
             learn(world.domain(), &mut start, *fact, *holds);
         }
-        let found = bind_way(world, &start, &turns, &resolved.objects, claim);
+        let found = bind_path(world, &start, &turns, &resolved.objects, claim);
         if found.exhausted {
             return false;
         }
-        for (id, arguments) in way.steps.iter().zip(found.arguments) {
+        for (id, arguments) in path.steps.iter().zip(found.arguments) {
             steps[id.index()].arguments = arguments.into_iter().map(Some).collect();
         }
         assumptions.extend(found.assumptions.into_iter().map(|open| match open {
@@ -91,7 +91,7 @@ fn bind_ways(
                 parameter,
                 entity,
             } => Assumption::Argument {
-                step: way.steps[step].index(),
+                step: path.steps[step].index(),
                 parameter,
                 entity,
             },
@@ -105,7 +105,7 @@ fn bind_ways(
             claims: Vec::new(),
             learned: Vec::new(),
         };
-        let found = bind_way(world, &world.state, &[turn], &resolved.objects, claim);
+        let found = bind_path(world, &world.state, &[turn], &resolved.objects, claim);
         if found.exhausted {
             return false;
         }
@@ -118,7 +118,7 @@ fn bind_ways(
 
 /// One execution path of a plan.
 #[derive(Debug, Default)]
-struct Way {
+struct BoundPath {
     /// Facts that are assumed before the first step.
     before: Vec<(Fact, bool)>,
     /// The steps, as often as they are executed.
@@ -127,7 +127,7 @@ struct Way {
     learned: Vec<Vec<Learned>>,
 }
 
-impl Way {
+impl BoundPath {
     fn step(&mut self, id: StepId) {
         self.steps.push(id);
         self.learned.push(Vec::new());
@@ -156,47 +156,47 @@ struct Chooser<'a> {
 }
 
 impl Chooser<'_> {
-    fn next(&mut self, body: &[Node]) -> Option<Way> {
+    fn next(&mut self, body: &[Node]) -> Option<BoundPath> {
         let missing = self.done.iter().position(|done| !done)?;
         // Free choices come first, since they cover many steps at once. A target is for what they never reach.
         for target in [None, Some(StepId::new(missing))] {
             self.target = target;
             self.decided.clear();
-            let mut way = Way::default();
-            self.nodes(body, &mut way);
-            let news = way.steps.iter().any(|step| !self.done[step.index()]);
+            let mut path = BoundPath::default();
+            self.nodes(body, &mut path);
+            let news = path.steps.iter().any(|step| !self.done[step.index()]);
             if news {
-                way.steps.iter().for_each(|step| self.done[step.index()] = true);
-                return Some(way);
+                path.steps.iter().for_each(|step| self.done[step.index()] = true);
+                return Some(path);
             }
         }
         None
     }
 
-    fn nodes(&mut self, nodes: &[Node], way: &mut Way) {
+    fn nodes(&mut self, nodes: &[Node], path: &mut BoundPath) {
         for node in nodes {
             if !effort::spend(1) {
                 return;
             }
             match node {
-                Node::Step(id) => way.step(*id),
+                Node::Step(id) => path.step(*id),
                 Node::If {
                     condition,
                     then,
                     otherwise,
                 } => {
                     let holds = self.choose(condition, then, otherwise);
-                    self.test(condition, holds, way);
-                    self.nodes(if holds { then } else { otherwise }, way);
+                    self.test(condition, holds, path);
+                    self.nodes(if holds { then } else { otherwise }, path);
                 }
                 Node::While { condition, body } => {
                     // One iteration contains every step of the body.
-                    self.test(condition, true, way);
-                    self.nodes(body, way);
-                    self.assume(condition, false, way);
+                    self.test(condition, true, path);
+                    self.nodes(body, path);
+                    self.assume(condition, false, path);
                 }
-                Node::Repeat { body, .. } => self.nodes(body, way),
-                Node::Parallel { lanes } => lanes::sequence(lanes).into_iter().for_each(|step| way.step(step)),
+                Node::Repeat { body, .. } => self.nodes(body, path),
+                Node::Parallel { lanes } => lanes::sequence(lanes).into_iter().for_each(|step| path.step(step)),
                 Node::Remark(_) => {}
             }
         }
@@ -250,28 +250,28 @@ impl Chooser<'_> {
     }
 
     /// Adds the sensing steps of a condition, and assumes its value.
-    fn test(&mut self, condition: &Test, holds: bool, way: &mut Way) {
-        condition.steps().for_each(|step| way.step(step));
-        self.assume(condition, holds, way);
+    fn test(&mut self, condition: &Test, holds: bool, path: &mut BoundPath) {
+        condition.steps().for_each(|step| path.step(step));
+        self.assume(condition, holds, path);
     }
 
     /// Assumes a value of the condition. All its parts take the value, even if one would suffice, so that all are bound
     /// alike.
-    fn assume(&mut self, test: &Test, holds: bool, way: &mut Way) {
+    fn assume(&mut self, test: &Test, holds: bool, path: &mut BoundPath) {
         match test {
-            Test::Not(inner) => self.assume(inner, !holds, way),
-            Test::All(parts) | Test::Any(parts) => parts.iter().for_each(|part| self.assume(part, holds, way)),
+            Test::Not(inner) => self.assume(inner, !holds, path),
+            Test::All(parts) | Test::Any(parts) => parts.iter().for_each(|part| self.assume(part, holds, path)),
             Test::Holds(fact) => {
                 self.decided.push((test.clone(), holds));
-                match way.learned.last_mut() {
+                match path.learned.last_mut() {
                     Some(learned) => learned.push(Learned::Fact(*fact, holds)),
-                    None => way.before.push((*fact, holds)),
+                    None => path.before.push((*fact, holds)),
                 }
             }
             Test::Sense(id) => {
                 self.decided.push((test.clone(), holds));
-                let place = way.steps.iter().rposition(|step| step == id);
-                if let (Some(place), Some(learned)) = (place, way.learned.last_mut()) {
+                let place = path.steps.iter().rposition(|step| step == id);
+                if let (Some(place), Some(learned)) = (place, path.learned.last_mut()) {
                     learned.push(Learned::Outcome(place, holds));
                 }
             }

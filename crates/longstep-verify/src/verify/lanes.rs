@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use super::Violation;
 use super::walk::{STATES, Walk};
-use super::way::Way;
+use super::path::ExecutionPath;
 use crate::plan::{Lane, LaneItem, StepId};
 use longstep_model::effort;
 use longstep_model::model::{EntityId, Fluent, Number, State};
@@ -34,36 +34,36 @@ impl Walk<'_> {
     }
 
     /// Simulates all interleavings of the lanes; returns one path through them for each progress through the stages.
-    pub(super) fn side_by_side(&mut self, lanes: &[Lane], way: Way) -> Vec<Way> {
+    pub(super) fn side_by_side(&mut self, lanes: &[Lane], path: ExecutionPath) -> Vec<ExecutionPath> {
         let lanes: Vec<Vec<&LaneItem>> = lanes.iter().map(|lane| lane.acts().collect()).collect();
         // Ordered by the number of completed items, so that all paths to a combination arrive before it is expanded.
-        let mut open: BTreeMap<(usize, Vec<usize>), Vec<Way>> = BTreeMap::new();
-        open.insert((0, vec![0; lanes.len()]), vec![way]);
-        while let Some(((done, places), ways)) = open.pop_first() {
+        let mut open: BTreeMap<(usize, Vec<usize>), Vec<ExecutionPath>> = BTreeMap::new();
+        open.insert((0, vec![0; lanes.len()]), vec![path]);
+        while let Some(((done, places), paths)) = open.pop_first() {
             let next: Vec<Option<&LaneItem>> = lanes
                 .iter()
                 .zip(&places)
                 .map(|(lane, at)| lane.get(*at).copied())
                 .collect();
             if next.iter().all(Option::is_none) || self.is_stopped() {
-                return ways;
+                return paths;
             }
             effort::spend(lanes.iter().map(Vec::len).sum());
-            self.together(&next, &ways[0]);
+            self.together(&next, &paths[0]);
             let moves = moves(&lanes, &places, &next);
             if moves.is_empty() {
                 let waiting = next.iter().flatten().find_map(|item| item.sync());
                 let sync = waiting.unwrap_or_default().to_owned();
-                self.wrong(Violation::Deadlock { sync }, self.when(&ways[0]));
-                return ways;
+                self.wrong(Violation::Deadlock { sync }, self.when(&paths[0]));
+                return paths;
             }
             for moved in moves {
                 let step = next[moved[0]].and_then(LaneItem::step);
                 let mut to = places.clone();
                 moved.iter().for_each(|lane| to[*lane] += 1);
                 let known = open.entry((done + moved.len(), to)).or_default();
-                for way in &ways {
-                    let mut then = way.clone();
+                for path in &paths {
+                    let mut then = path.clone();
                     if let Some(step) = step {
                         self.step(step, &mut then);
                         self.progress(&mut then);
@@ -76,34 +76,34 @@ impl Walk<'_> {
     }
 
     /// Adds a path to those that reached the same positions, unless one of them has made equal progress.
-    fn meet(&mut self, known: &mut Vec<Way>, way: Way) {
+    fn meet(&mut self, known: &mut Vec<ExecutionPath>, path: ExecutionPath) {
         let Some(first) = known.first() else {
-            return known.push(way);
+            return known.push(path);
         };
-        self.same_state(first.clone(), &way);
-        let progress = self.progress_of(&way);
+        self.same_state(first.clone(), &path);
+        let progress = self.progress_of(&path);
         effort::spend(known.len());
         if known.iter().any(|known| self.progress_of(known) == progress) {
             return;
         }
         // A path that is neither followed nor refused would be one that nobody has checked.
         if known.len() == STATES {
-            let last = self.history.back(way.here).next().map(|(step, _)| step.index());
+            let last = self.history.back(path.here).next().map(|(step, _)| step.index());
             self.stop(last, STATES + 1);
             return;
         }
-        known.push(way);
+        known.push(path);
     }
 
     /// Reports objects that concurrent steps share.
-    fn together(&mut self, next: &[Option<&LaneItem>], way: &Way) {
+    fn together(&mut self, next: &[Option<&LaneItem>], path: &ExecutionPath) {
         let steps: Vec<StepId> = next.iter().flatten().filter_map(|item| item.step()).collect();
         for (number, first) in steps.iter().enumerate() {
             effort::spend(steps.len());
             for second in &steps[number + 1..] {
                 for entity in self.shared(*first, *second) {
                     let (step, other) = (first.index(), second.index());
-                    self.wrong(Violation::SharedObject { step, other, entity }, self.when(way));
+                    self.wrong(Violation::SharedObject { step, other, entity }, self.when(path));
                 }
             }
         }
@@ -120,7 +120,7 @@ impl Walk<'_> {
     }
 
     /// Reports a race if two interleavings lead to different states.
-    fn same_state(&mut self, mut one: Way, other: &Way) {
+    fn same_state(&mut self, mut one: ExecutionPath, other: &ExecutionPath) {
         let mut other = other.clone();
         // Orders of steps may achieve different stages, which is no race.
         self.forget_progress(&mut one);
@@ -128,8 +128,8 @@ impl Walk<'_> {
         if one.state == other.state {
             return;
         }
-        let last = |way: &Way| self.history.back(way.here).next().map(|(step, _)| step.index());
-        let differs = |one: &Way, other: &Way| one.state.iter().find(|fact| !other.state.holds(*fact));
+        let last = |path: &ExecutionPath| self.history.back(path.here).next().map(|(step, _)| step.index());
+        let differs = |one: &ExecutionPath, other: &ExecutionPath| one.state.iter().find(|fact| !other.state.holds(*fact));
         let fact = differs(&one, &other).or_else(|| differs(&other, &one));
         let (Some(step), Some(second)) = (last(&one), last(&other)) else {
             return;

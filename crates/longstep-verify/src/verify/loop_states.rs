@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::way::Way;
+use super::path::ExecutionPath;
 use longstep_model::effort;
 use longstep_model::model::{ChangedLists, State};
 
@@ -10,7 +10,7 @@ use longstep_model::model::{ChangedLists, State};
 #[derive(Default)]
 pub(super) struct LoopStates {
     numbers: FxHashMap<ChangedLists, usize>,
-    pub(super) ways: Vec<Way>,
+    pub(super) paths: Vec<ExecutionPath>,
     /// Number of states that have been followed.
     followed: usize,
     /// By state: true if the loop can end there.
@@ -20,27 +20,27 @@ pub(super) struct LoopStates {
 }
 
 impl LoopStates {
-    pub(super) fn meet(&mut self, way: Way, start: &State) -> usize {
-        let state = way.state.changed_lists(start);
+    pub(super) fn meet(&mut self, path: ExecutionPath, start: &State) -> usize {
+        let state = path.state.changed_lists(start);
         if let Some(number) = self.numbers.get(&state) {
             return *number;
         }
         effort::spend(kept_units(&state));
-        self.numbers.insert(state, self.ways.len());
-        self.ways.push(way);
+        self.numbers.insert(state, self.paths.len());
+        self.paths.push(path);
         self.leaves.push(false);
-        self.ways.len() - 1
+        self.paths.len() - 1
     }
 
-    pub(super) fn next(&mut self) -> Option<(usize, Way)> {
-        let way = self.ways.get(self.followed)?.clone();
+    pub(super) fn next(&mut self) -> Option<(usize, ExecutionPath)> {
+        let path = self.paths.get(self.followed)?.clone();
         self.followed += 1;
-        Some((self.followed - 1, way))
+        Some((self.followed - 1, path))
     }
 
     /// Returns a state from which the loop can never end.
     pub(super) fn endless(&self) -> Option<usize> {
-        let mut before: Vec<Vec<usize>> = vec![Vec::new(); self.ways.len()];
+        let mut before: Vec<Vec<usize>> = vec![Vec::new(); self.paths.len()];
         for (from, to) in &self.follows {
             before[*to].push(*from);
         }

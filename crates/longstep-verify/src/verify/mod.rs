@@ -9,13 +9,13 @@ mod claims;
 mod history;
 mod lanes;
 mod loop_states;
-mod order;
+mod stage_tracker;
 mod reachability;
 mod rules;
 #[cfg(test)]
 pub(crate) mod tests;
 mod walk;
-mod way;
+mod path;
 
 pub use bind::{Candidate, bind, bind_as_far, candidates, claimed_places};
 pub use bind_tree::bind_tree;
@@ -39,7 +39,7 @@ use longstep_model::model::{
     subject_of,
 };
 use walk::Walk;
-use way::Way;
+use path::ExecutionPath;
 
 /// A condition to achieve in a stage of a plan.
 #[derive(Debug, Clone)]
@@ -274,34 +274,34 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
     let claimed = purpose.claim.as_ref();
     let binding = claimed.map_or_else(Vec::new, |claim| binding_claims(world, &plan, claim));
     let numbers = claimed.map_or_else(Vec::new, |claim| claim.promised_numbers(world));
-    let differs = |way: &Way, (fluent, number): (Fluent, Number)| way.state.number(fluent) != Some(number);
-    let kept = |way: &Way| {
-        binding.iter().all(|fact| way.state.holds(*fact)) && !numbers.iter().any(|number| differs(way, *number))
+    let differs = |path: &ExecutionPath, (fluent, number): (Fluent, Number)| path.state.number(fluent) != Some(number);
+    let kept = |path: &ExecutionPath| {
+        binding.iter().all(|fact| path.state.holds(*fact)) && !numbers.iter().any(|number| differs(path, *number))
     };
     // One ending keeps all claims. To take each claim from another ending would be unsound.
     let as_claimed = claimed.and_then(|_| ends.iter().position(kept));
-    let endings = walk.each(ends, |walk, mut way| {
-        end(walk, &way, purpose);
-        walk.forget_progress(&mut way);
-        let when = walk.when(&way);
+    let endings = walk.each(ends, |walk, mut path| {
+        end(walk, &path, purpose);
+        walk.forget_progress(&mut path);
+        let when = walk.when(&path);
         if as_claimed.is_none() {
-            for fact in binding.iter().filter(|fact| !way.state.holds(**fact)) {
+            for fact in binding.iter().filter(|fact| !path.state.holds(**fact)) {
                 walk.wrong(Violation::Claim { fact: *fact }, when.clone());
             }
-            for (fluent, claimed) in numbers.iter().filter(|number| differs(&way, **number)) {
+            for (fluent, claimed) in numbers.iter().filter(|number| differs(&path, **number)) {
                 let violation = Violation::NumberClaim {
                     fluent: *fluent,
                     claimed: *claimed,
-                    simulated: way.state.number(*fluent),
+                    simulated: path.state.number(*fluent),
                 };
                 walk.wrong(violation, when.clone());
             }
         }
         vec![Ending {
             when,
-            trace: walk.history.trace(way.here),
-            after: way.state,
-            cost: way.cost,
+            trace: walk.history.trace(path.here),
+            after: path.state,
+            cost: path.cost,
         }]
     });
     let mut rested: Vec<Fact> = std::mem::take(&mut walk.rested).into_iter().collect();
@@ -336,8 +336,8 @@ pub fn binding_claims(world: &World, plan: &Plan, claim: &Claim) -> Vec<Fact> {
 }
 
 /// Records the violations and warnings of a final state.
-fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
-    let (domain, world, state) = (walk.domain, walk.world, &way.state);
+fn end(walk: &mut Walk<'_>, path: &ExecutionPath, purpose: &Purpose) {
+    let (domain, world, state) = (walk.domain, walk.world, &path.state);
     let (mut wrong, mut odd) = (Vec::new(), Vec::new());
     let promises = purpose.claim.as_ref().map(|claim| claim.promises(world));
     let meant: Vec<EntityId> = promises
@@ -364,11 +364,11 @@ fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
         }
     }
     // A goal that does not hold in the final state is reported already.
-    let unordered = walk.unordered(way);
+    let unordered = walk.unordered(path);
     let unordered = unordered.filter(|(index, _)| !wrong.contains(&Violation::Goal { index: *index }));
     wrong.extend(unordered.map(|(index, first)| Violation::Order { index, first }));
     odd.extend(moved_unmentioned(world, state, &purpose.mentioned));
-    let when = walk.when(way);
+    let when = walk.when(path);
     wrong
         .into_iter()
         .for_each(|violation| walk.wrong(violation, when.clone()));

@@ -9,8 +9,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::history::{History, with_culprits};
 use super::loop_states::{LoopStates, kept_units};
-use super::order::Order;
-use super::way::Way;
+use super::stage_tracker::StageTracker;
+use super::path::ExecutionPath;
 use super::{Purpose, StepClaim, Violation, claims, unmet};
 use crate::plan::{Node, Plan, StepId, Test, tree};
 use longstep_model::effort;
@@ -26,7 +26,7 @@ const STEP: usize = 16;
 
 /// A finding on one or more paths.
 #[derive(Debug, Clone)]
-struct Found {
+struct Finding {
     violation: Violation,
     /// True for a warning.
     odd: bool,
@@ -43,8 +43,8 @@ pub(super) struct Walk<'a> {
     pub(super) rested: FxHashSet<Fact>,
     /// Claims of the steps, sorted by step.
     claims: &'a [StepClaim],
-    order: Order<'a>,
-    found: Vec<Found>,
+    stages: StageTracker<'a>,
+    found: Vec<Finding>,
     sensed: Vec<PredicateId>,
     reached: Vec<bool>,
     /// True if the state limit was exceeded.
@@ -67,7 +67,7 @@ impl<'a> Walk<'a> {
             history: History::default(),
             rested: FxHashSet::default(),
             claims: &purpose.step_claims,
-            order: Order::new(world, purpose),
+            stages: StageTracker::new(world, purpose),
             found: Vec::new(),
             sensed,
             reached: vec![false; plan.steps().len()],
@@ -78,8 +78,8 @@ impl<'a> Walk<'a> {
     }
 
     /// Simulates the whole plan; returns the paths that reach its end, at least one.
-    pub(super) fn run(&mut self) -> Vec<Way> {
-        let mut start = Way {
+    pub(super) fn run(&mut self) -> Vec<ExecutionPath> {
+        let mut start = ExecutionPath {
             state: self.world.state.clone(),
             here: None,
             broken: self.broken_always(&self.world.state),
@@ -99,21 +99,21 @@ impl<'a> Walk<'a> {
         if ends.is_empty() {
             ends.push(start);
         }
-        ends.sort_by_cached_key(|way| self.when(way));
+        ends.sort_by_cached_key(|path| self.when(path));
         ends
     }
 
     /// Returns the sensing outcomes of a path that are still known.
-    pub(super) fn when(&self, way: &Way) -> Vec<Fact> {
+    pub(super) fn when(&self, path: &ExecutionPath) -> Vec<Fact> {
         let known = self
             .sensed
             .iter()
-            .flat_map(|predicate| way.state.of_predicate(*predicate));
+            .flat_map(|predicate| path.state.of_predicate(*predicate));
         known.copied().filter(|fact| !self.world.state.holds(*fact)).collect()
     }
 
     pub(super) fn wrong(&mut self, violation: Violation, when: Vec<Fact>) {
-        self.found.push(Found {
+        self.found.push(Finding {
             violation,
             odd: false,
             when,
@@ -121,7 +121,7 @@ impl<'a> Walk<'a> {
     }
 
     pub(super) fn odd(&mut self, violation: Violation, when: Vec<Fact>) {
-        self.found.push(Found {
+        self.found.push(Finding {
             violation,
             odd: true,
             when,
@@ -129,12 +129,12 @@ impl<'a> Walk<'a> {
     }
 
     /// Runs `done` on each path. A finding on all paths no longer depends on sensing outcomes.
-    pub(super) fn each<T>(&mut self, ways: Vec<Way>, mut done: impl FnMut(&mut Self, Way) -> Vec<T>) -> Vec<T> {
-        let (count, from) = (ways.len(), self.found.len());
+    pub(super) fn each<T>(&mut self, paths: Vec<ExecutionPath>, mut done: impl FnMut(&mut Self, ExecutionPath) -> Vec<T>) -> Vec<T> {
+        let (count, from) = (paths.len(), self.found.len());
         let mut all = Vec::with_capacity(count);
-        for way in ways {
+        for path in paths {
             let own = self.found.len();
-            all.extend(done(self, way));
+            all.extend(done(self, path));
             // Interleavings of lanes repeat findings; each counts once per path.
             if count > 1 && self.found.len() > own + 1 {
                 let together = joined(self.found.split_off(own), None);
@@ -148,41 +148,41 @@ impl<'a> Walk<'a> {
         all
     }
 
-    fn nodes(&mut self, nodes: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
+    fn nodes(&mut self, nodes: &[Node], mut paths: Vec<ExecutionPath>) -> Vec<ExecutionPath> {
         for node in nodes {
-            if self.is_stopped() || ways.is_empty() {
-                return ways;
+            if self.is_stopped() || paths.is_empty() {
+                return paths;
             }
-            ways = match node {
-                Node::Step(id) => self.steps(*id, ways),
+            paths = match node {
+                Node::Step(id) => self.steps(*id, paths),
                 Node::If {
                     condition,
                     then,
                     otherwise,
                 } => {
-                    let (yes, no) = self.test(condition, ways, first_of(node));
+                    let (yes, no) = self.test(condition, paths, first_of(node));
                     let mut ends = self.nodes(then, yes);
                     ends.extend(self.nodes(otherwise, no));
                     self.merged(ends)
                 }
-                Node::While { condition, body } => self.repeated(condition, body, ways, first_of(node)),
-                Node::Repeat { times, body } => self.counted(*times, body, ways),
+                Node::While { condition, body } => self.repeated(condition, body, paths, first_of(node)),
+                Node::Repeat { times, body } => self.counted(*times, body, paths),
                 Node::Parallel { lanes } => {
                     self.check_lanes(lanes);
-                    let ends = self.each(ways, |walk, way| walk.side_by_side(lanes, way));
+                    let ends = self.each(paths, |walk, path| walk.side_by_side(lanes, path));
                     self.merged(ends)
                 }
-                Node::Remark(_) => ways,
+                Node::Remark(_) => paths,
             };
-            if ways.len() > STATES {
-                self.stop(first_of(node), ways.len());
+            if paths.len() > STATES {
+                self.stop(first_of(node), paths.len());
             }
             if self.is_stopped() {
                 // A single path suffices to report the place.
-                ways.truncate(1);
+                paths.truncate(1);
             }
         }
-        ways
+        paths
     }
 
     /// Stops the simulation because there are too many states.
@@ -202,91 +202,91 @@ impl<'a> Walk<'a> {
     ///
     /// The states after an iteration depend only on those before it. Once the states at the start of an iteration
     /// repeat, the loop is periodic, and only the remainder of the last period is simulated.
-    fn counted(&mut self, times: u32, body: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
+    fn counted(&mut self, times: u32, body: &[Node], mut paths: Vec<ExecutionPath>) -> Vec<ExecutionPath> {
         let mut rounds: FxHashMap<Vec<ChangedLists>, (u32, Option<Number>)> = FxHashMap::default();
         let (mut round, mut last) = (0, times);
         let mut findings = Findings::from(self.found.len());
         while round < last && !self.is_stopped() {
             // Once the period is known, only its remainder is left, and no state is compared any more.
             if last == times {
-                let mut states: Vec<ChangedLists> = ways.iter().map(|way| self.changed(way)).collect();
+                let mut states: Vec<ChangedLists> = paths.iter().map(|path| self.changed(path)).collect();
                 states.sort_unstable();
                 effort::spend(states.iter().map(kept_units).sum());
-                let cost = dearest(&ways);
+                let cost = dearest(&paths);
                 if let Some((first, cost_before)) = rounds.insert(states, (round, cost)) {
                     let period = round - first;
                     last = round + (times - round) % period;
                     let left_out = cost_of_periods(cost_before, cost, (times - last) / period);
-                    for way in &mut ways {
-                        way.cost = sum(way.cost, left_out);
+                    for path in &mut paths {
+                        path.cost = sum(path.cost, left_out);
                     }
                     if round == last {
                         break;
                     }
                 }
             }
-            let ends = self.nodes(body, ways);
-            ways = self.merged(ends);
+            let ends = self.nodes(body, paths);
+            paths = self.merged(ends);
             findings.compact(&mut self.found);
             round += 1;
         }
-        ways
+        paths
     }
 
     /// Returns the fact lists in which the state of a path differs from the initial state.
-    fn changed(&self, way: &Way) -> ChangedLists {
-        way.state.changed_lists(&self.world.state)
+    fn changed(&self, path: &ExecutionPath) -> ChangedLists {
+        path.state.changed_lists(&self.world.state)
     }
 
-    fn steps(&mut self, id: StepId, ways: Vec<Way>) -> Vec<Way> {
+    fn steps(&mut self, id: StepId, paths: Vec<ExecutionPath>) -> Vec<ExecutionPath> {
         let sensing = !self.domain.action(self.plan.step(id).action).senses.is_empty();
-        self.each(ways, |walk, mut way| {
-            walk.step(id, &mut way);
-            let mut ways = if sensing { walk.outcomes(id, way) } else { vec![way] };
-            ways.iter_mut().for_each(|way| walk.progress(way));
-            ways
+        self.each(paths, |walk, mut path| {
+            walk.step(id, &mut path);
+            let mut paths = if sensing { walk.outcomes(id, path) } else { vec![path] };
+            paths.iter_mut().for_each(|path| walk.progress(path));
+            paths
         })
     }
 
     /// Records what the state of a path achieves of the stages.
-    pub(super) fn progress(&self, way: &mut Way) {
-        if !self.order.is_empty() {
-            self.order.advance(self.world, &mut way.state);
+    pub(super) fn progress(&self, path: &mut ExecutionPath) {
+        if !self.stages.is_empty() {
+            self.stages.advance(self.world, &mut path.state);
         }
     }
 
     /// Removes the progress from the state of a path.
-    pub(super) fn forget_progress(&self, way: &mut Way) {
-        self.order.forget(&mut way.state);
+    pub(super) fn forget_progress(&self, path: &mut ExecutionPath) {
+        self.stages.forget(&mut path.state);
     }
 
     /// Returns the progress in the state of a path.
-    pub(super) fn progress_of(&self, way: &Way) -> Vec<Fact> {
-        way.state.iter_from(self.domain.predicates.len()).collect()
+    pub(super) fn progress_of(&self, path: &ExecutionPath) -> Vec<Fact> {
+        path.state.iter_from(self.domain.predicates.len()).collect()
     }
 
     /// Returns the first goal that a path did not achieve in order, with `true` for one of the first stage.
-    pub(super) fn unordered(&self, way: &Way) -> Option<(usize, bool)> {
-        self.order.missing(&way.state)
+    pub(super) fn unordered(&self, path: &ExecutionPath) -> Option<(usize, bool)> {
+        self.stages.missing(&path.state)
     }
 
     /// Simulates one step.
-    pub(super) fn step(&mut self, id: StepId, way: &mut Way) {
+    pub(super) fn step(&mut self, id: StepId, path: &mut ExecutionPath) {
         self.reached[id.index()] = true;
         effort::spend(STEP);
         let step = self.plan.step(id);
         let action = self.domain.action(step.action);
-        if way.cost.is_some() {
-            way.cost = sum(way.cost, self.cost_of(action, &step.arguments));
+        if path.cost.is_some() {
+            path.cost = sum(path.cost, self.cost_of(action, &step.arguments));
         }
         self.bindings.clear();
         self.bindings.extend_from_slice(&step.arguments);
         let moment = Moment {
             world: self.world,
-            state: &way.state,
+            state: &path.state,
         };
         if holds(moment, &action.precondition, &mut self.bindings) {
-            let (history, here) = (&self.history, way.here);
+            let (history, here) = (&self.history, path.here);
             rests_on(
                 moment,
                 &action.precondition,
@@ -296,10 +296,10 @@ impl<'a> Walk<'a> {
                 &mut self.rested,
             );
         } else {
-            let missing = unmet(self.world, &way.state, &action.precondition, &mut self.bindings);
-            let missing = with_culprits(missing, &self.history, way.here);
+            let missing = unmet(self.world, &path.state, &action.precondition, &mut self.bindings);
+            let missing = with_culprits(missing, &self.history, path.here);
             let step = id.index();
-            self.wrong(Violation::Precondition { step, missing }, self.when(way));
+            self.wrong(Violation::Precondition { step, missing }, self.when(path));
         }
         if let Some(prohibition) = self.world.forbids(step.action, &step.arguments) {
             let (prohibition, says) = (prohibition.written.clone(), prohibition.says.clone());
@@ -310,27 +310,27 @@ impl<'a> Walk<'a> {
                     prohibition,
                     says,
                 },
-                self.when(way),
+                self.when(path),
             );
         }
         // A copy of the state is costly, and only the events of stages need it.
-        let before = self.order.counts_events().then(|| way.state.clone());
+        let before = self.stages.counts_events().then(|| path.state.clone());
         let (bindings, fired) = (&mut self.bindings, &mut self.fired);
-        way.here = self.history.add(id, way.here, |changes| {
-            apply_onto(self.world, &mut way.state, action, bindings, fired, changes);
+        path.here = self.history.add(id, path.here, |changes| {
+            apply_onto(self.world, &mut path.state, action, bindings, fired, changes);
         });
         if let Some(before) = before {
-            let order = &self.order;
-            order.step(self.world, &before, action, &mut self.bindings, &mut way.state);
+            let stages = &self.stages;
+            stages.step(self.world, &before, action, &mut self.bindings, &mut path.state);
         }
         let has_effects = !action.effects.is_empty() || !action.numeric.is_empty();
-        if !self.history.has_changed(way.here) && has_effects {
-            self.odd(Violation::NoEffect { step: id.index() }, self.when(way));
+        if !self.history.has_changed(path.here) && has_effects {
+            self.odd(Violation::NoEffect { step: id.index() }, self.when(path));
         }
-        for violation in claims::broken(self.claims, id.index(), &way.state) {
-            self.odd(violation, self.when(way));
+        for violation in claims::broken(self.claims, id.index(), &path.state) {
+            self.odd(violation, self.when(path));
         }
-        self.always(id, way);
+        self.always(id, path);
     }
 
     /// Returns the cost of a step, which depends on what no step changes.
@@ -347,9 +347,9 @@ impl<'a> Walk<'a> {
 
     /// Reports each `always` rule at the step that breaks it. A rule that is broken in the initial state becomes
     /// binding once it holds.
-    fn always(&mut self, id: StepId, way: &mut Way) {
-        let now = self.broken_always(&way.state);
-        for (rule, bindings) in now.iter().filter(|broken| !way.broken.contains(broken)) {
+    fn always(&mut self, id: StepId, path: &mut ExecutionPath) {
+        let now = self.broken_always(&path.state);
+        for (rule, bindings) in now.iter().filter(|broken| !path.broken.contains(broken)) {
             let step = id.index();
             let violation = match self.world.prohibition(*rule) {
                 Some(prohibition) => Violation::Prohibited {
@@ -363,9 +363,9 @@ impl<'a> Walk<'a> {
                     bindings: bindings.clone(),
                 },
             };
-            self.wrong(violation, self.when(way));
+            self.wrong(violation, self.when(path));
         }
-        way.broken = now;
+        path.broken = now;
     }
 
     /// Returns the `always` rules that are broken in a state, with their bindings.
@@ -380,25 +380,25 @@ impl<'a> Walk<'a> {
     }
 
     /// Splits a path after a sensing step into one path for each outcome, unless the outcome is already known.
-    fn outcomes(&mut self, id: StepId, way: Way) -> Vec<Way> {
+    fn outcomes(&mut self, id: StepId, path: ExecutionPath) -> Vec<ExecutionPath> {
         let facts = self.senses(id);
-        if facts.iter().any(|fact| way.state.holds(*fact)) {
-            return vec![way];
+        if facts.iter().any(|fact| path.state.holds(*fact)) {
+            return vec![path];
         }
         // The entry of the step is replaced by one for each outcome, with the fact that it reveals.
-        let before = self.history.before(way.here);
+        let before = self.history.before(path.here);
         let with_outcome = |fact: &Fact| {
-            let mut way = way.clone();
-            way.here = self.history.add(id, before, |changes| {
-                way.state.set(*fact, true);
+            let mut path = path.clone();
+            path.here = self.history.add(id, before, |changes| {
+                path.state.set(*fact, true);
                 changes.facts.push(super::Change {
                     fact: *fact,
                     holds: true,
                 });
             });
             // A rule violation that sensing reveals is not caused by the plan.
-            way.broken = self.broken_always(&way.state);
-            way
+            path.broken = self.broken_always(&path.state);
+            path
         };
         facts.iter().map(with_outcome).collect()
     }
@@ -414,41 +414,41 @@ impl<'a> Walk<'a> {
     /// findings name.
     ///
     /// Within a condition, paths with equal states are merged and limited, as between nodes.
-    fn test(&mut self, condition: &Test, ways: Vec<Way>, before: Option<usize>) -> (Vec<Way>, Vec<Way>) {
+    fn test(&mut self, condition: &Test, paths: Vec<ExecutionPath>, before: Option<usize>) -> (Vec<ExecutionPath>, Vec<ExecutionPath>) {
         match condition {
             Test::Sense(id) => {
-                let ways = self.steps(*id, ways);
+                let paths = self.steps(*id, paths);
                 // The test of a sensing step is true for its first outcome.
                 let first = self.senses(*id).first().copied();
-                ways.into_iter()
-                    .partition(|way| first.is_some_and(|fact| way.state.holds(fact)))
+                paths.into_iter()
+                    .partition(|path| first.is_some_and(|fact| path.state.holds(fact)))
             }
             Test::Holds(fact) => {
-                effort::spend(ways.len());
-                let parts = self.each(ways, |walk, way| walk.value(*fact, way, before));
+                effort::spend(paths.len());
+                let parts = self.each(paths, |walk, path| walk.value(*fact, path, before));
                 let (yes, no): (Vec<_>, Vec<_>) = parts.into_iter().partition(|(_, holds)| *holds);
-                let ways = |parts: Vec<(Way, bool)>| parts.into_iter().map(|(way, _)| way).collect();
-                (ways(yes), ways(no))
+                let paths = |parts: Vec<(ExecutionPath, bool)>| parts.into_iter().map(|(path, _)| path).collect();
+                (paths(yes), paths(no))
             }
             Test::Not(inner) => {
-                let (yes, no) = self.test(inner, ways, before);
+                let (yes, no) = self.test(inner, paths, before);
                 (no, yes)
             }
             Test::All(parts) => {
-                let (mut yes, mut no) = (ways, Vec::new());
+                let (mut yes, mut no) = (paths, Vec::new());
                 for part in parts {
                     let (holds, fails) = self.test(part, yes, before);
                     no.extend(fails);
-                    (yes, no) = (self.counted_ways(holds, before), self.counted_ways(no, before));
+                    (yes, no) = (self.counted_paths(holds, before), self.counted_paths(no, before));
                 }
                 (yes, no)
             }
             Test::Any(parts) => {
-                let (mut yes, mut no) = (Vec::new(), ways);
+                let (mut yes, mut no) = (Vec::new(), paths);
                 for part in parts {
                     let (holds, fails) = self.test(part, no, before);
                     yes.extend(holds);
-                    (yes, no) = (self.counted_ways(yes, before), self.counted_ways(fails, before));
+                    (yes, no) = (self.counted_paths(yes, before), self.counted_paths(fails, before));
                 }
                 (yes, no)
             }
@@ -456,55 +456,55 @@ impl<'a> Walk<'a> {
     }
 
     /// Merges paths within a condition; stops if there are too many.
-    fn counted_ways(&mut self, ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
-        let mut ways = self.merged(ways);
-        if ways.len() > STATES {
-            self.stop(before, ways.len());
-            ways.truncate(1);
+    fn counted_paths(&mut self, paths: Vec<ExecutionPath>, before: Option<usize>) -> Vec<ExecutionPath> {
+        let mut paths = self.merged(paths);
+        if paths.len() > STATES {
+            self.stop(before, paths.len());
+            paths.truncate(1);
         }
-        ways
+        paths
     }
 
     /// Evaluates a fact on a path. A fact of unknown value splits the path.
-    fn value(&mut self, fact: Fact, way: Way, before: Option<usize>) -> Vec<(Way, bool)> {
-        if way.state.holds(fact) {
-            return vec![(way, true)];
+    fn value(&mut self, fact: Fact, path: ExecutionPath, before: Option<usize>) -> Vec<(ExecutionPath, bool)> {
+        if path.state.holds(fact) {
+            return vec![(path, true)];
         }
         let outcomes = self.domain.outcomes(fact);
-        let known = outcomes.is_empty() || outcomes.iter().any(|outcome| way.state.holds(*outcome));
+        let known = outcomes.is_empty() || outcomes.iter().any(|outcome| path.state.holds(*outcome));
         if known {
-            return vec![(way, false)];
+            return vec![(path, false)];
         }
         // Both values are followed, so that errors on either side are found too.
         let step = before;
-        self.wrong(Violation::Unsensed { step, fact }, self.when(&way));
-        vec![(way.clone(), true), (way, false)]
+        self.wrong(Violation::Unsensed { step, fact }, self.when(&path));
+        vec![(path.clone(), true), (path, false)]
     }
 
     /// Returns the paths after a loop with a condition.
-    fn repeated(&mut self, condition: &Test, body: &[Node], ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
+    fn repeated(&mut self, condition: &Test, body: &[Node], paths: Vec<ExecutionPath>, before: Option<usize>) -> Vec<ExecutionPath> {
         let start = &self.world.state;
         let mut heads = LoopStates::default();
-        for way in ways {
+        for path in paths {
             // The number of iterations is not known.
-            heads.meet(Way { cost: None, ..way }, start);
+            heads.meet(ExecutionPath { cost: None, ..path }, start);
         }
         let mut out = Vec::new();
         let mut findings = Findings::from(self.found.len());
-        while let Some((number, way)) = heads.next() {
-            let (yes, no) = self.test(condition, vec![way], before);
+        while let Some((number, path)) = heads.next() {
+            let (yes, no) = self.test(condition, vec![path], before);
             heads.leaves[number] = !no.is_empty();
             out.extend(no);
             // Iterations repeat exits, so they are merged as they come.
-            out = self.counted_ways(out, before);
+            out = self.counted_paths(out, before);
             let ends = self.nodes(body, yes);
             effort::spend(ends.len());
             for end in ends {
                 let next = heads.meet(end, start);
                 heads.follows.push((number, next));
             }
-            if heads.ways.len() > STATES {
-                self.stop(before, heads.ways.len());
+            if heads.paths.len() > STATES {
+                self.stop(before, heads.paths.len());
             }
             if self.is_stopped() {
                 return self.merged(out);
@@ -514,32 +514,32 @@ impl<'a> Walk<'a> {
         // As in strong cyclic planning (Cimatti and others, 2003), an exit must be reachable from every state. Then the
         // loop ends if every outcome of sensing occurs at some time.
         if let Some(stuck) = heads.endless() {
-            let when = self.when(&heads.ways[stuck]);
+            let when = self.when(&heads.paths[stuck]);
             self.wrong(Violation::EndlessLoop { step: before }, when);
         }
         self.merged(out)
     }
 
     /// Keeps the first path for each state.
-    fn merged(&self, ways: Vec<Way>) -> Vec<Way> {
-        if ways.len() < 2 {
-            return ways;
+    fn merged(&self, paths: Vec<ExecutionPath>) -> Vec<ExecutionPath> {
+        if paths.len() < 2 {
+            return paths;
         }
         // The rest of a path depends on its state alone, so one path for each state is enough.
         let mut places: FxHashMap<ChangedLists, usize> = FxHashMap::default();
-        let mut kept: Vec<Way> = Vec::new();
-        for way in ways {
-            let changed = self.changed(&way);
+        let mut kept: Vec<ExecutionPath> = Vec::new();
+        for path in paths {
+            let changed = self.changed(&path);
             // Lists are compared with the initial state's, hashed and stored.
             effort::spend(4 + self.world.domain().predicates.len() + kept_units(&changed) / 2);
             match places.entry(changed) {
                 Entry::Occupied(place) => {
                     let known = &mut kept[*place.get()];
-                    known.cost = known.cost.zip(way.cost).map(|(one, other)| one.max(other));
+                    known.cost = known.cost.zip(path.cost).map(|(one, other)| one.max(other));
                 }
                 Entry::Vacant(place) => {
                     place.insert(kept.len());
-                    kept.push(way);
+                    kept.push(path);
                 }
             }
         }
@@ -549,7 +549,7 @@ impl<'a> Walk<'a> {
     /// Returns the distinct violations and warnings.
     pub(super) fn findings(self) -> (Vec<Violation>, Vec<Violation>) {
         let (odd, wrong): (Vec<_>, Vec<_>) = joined(self.found, None).into_iter().partition(|found| found.odd);
-        let violations = |found: Vec<Found>| {
+        let violations = |found: Vec<Finding>| {
             found
                 .into_iter()
                 .map(|found| found.violation.when(found.when))
@@ -575,7 +575,7 @@ impl Findings {
         Self { from, most: 256 }
     }
 
-    fn compact(&mut self, found: &mut Vec<Found>) {
+    fn compact(&mut self, found: &mut Vec<Finding>) {
         if found.len() - self.from > self.most {
             let together = joined(found.split_off(self.from), None);
             self.most = 2 * together.len().max(128);
@@ -585,8 +585,8 @@ impl Findings {
 }
 
 /// Returns the cost of the dearest of these paths; none if one of them is not known.
-fn dearest(ways: &[Way]) -> Option<Number> {
-    let costs: Option<Vec<Number>> = ways.iter().map(|way| way.cost).collect();
+fn dearest(paths: &[ExecutionPath]) -> Option<Number> {
+    let costs: Option<Vec<Number>> = paths.iter().map(|path| path.cost).collect();
     costs?.into_iter().max()
 }
 
@@ -602,8 +602,8 @@ fn cost_of_periods(before: Option<Number>, after: Option<Number>, periods: u32) 
 
 /// Merges equal findings. A finding becomes unconditional if `count` paths have it or one of them is unconditional;
 /// otherwise the common sensing outcomes are kept.
-fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
-    let mut together: Vec<(Found, usize)> = Vec::with_capacity(found.len());
+fn joined(found: Vec<Finding>, count: Option<usize>) -> Vec<Finding> {
+    let mut together: Vec<(Finding, usize)> = Vec::with_capacity(found.len());
     let mut numbers: FxHashMap<(Violation, bool), usize> = FxHashMap::default();
     effort::spend(found.len());
     for next in found {
@@ -629,7 +629,7 @@ fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
         }
         *times += 1;
     }
-    let plain = |(mut found, times): (Found, usize)| {
+    let plain = |(mut found, times): (Finding, usize)| {
         if count == Some(times) {
             found.when.clear();
         }

@@ -7,7 +7,7 @@ use super::sensing::{Check, called, checks};
 use super::{Recalled, Stored};
 use crate::dialogue::actors;
 use crate::environment::World;
-use crate::goal::Mentions;
+use crate::instruction::Mentions;
 
 /// Parts available to a composition.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rustc_hash::FxHashMap;
 
-use super::names::Mentions;
+use super::names::FullNames;
 use super::{Gap, entities};
 use crate::environment::{EntityId, World};
 use crate::goal::{Goal, GoalFact};
@@ -22,7 +22,7 @@ const QUOTATION_MARKS: [(char, char); 7] = [
 ];
 
 /// Returns the numbers and quotations that neither the goal nor the name of a mentioned entity contains.
-pub(super) fn gaps(world: &World, instruction: &str, goal: &Goal, mentions: &Mentions) -> Vec<(Range<usize>, Gap)> {
+pub(super) fn gaps(world: &World, instruction: &str, goal: &Goal, mentions: &FullNames) -> Vec<(Range<usize>, Gap)> {
     let known = texts(world, goal);
     let quoted = quotations(instruction).into_iter();
     let unknown = |range: &Range<usize>| !contain(&known, &instruction[range.clone()]);
@@ -35,7 +35,7 @@ pub(super) fn gaps(world: &World, instruction: &str, goal: &Goal, mentions: &Men
 }
 
 /// Returns true if the goal contains a number: in a name, as the number of its parts, or as the label of a thing that it is about.
-fn is_represented(world: &World, instruction: &str, range: &Range<usize>, goal: &Goal, mentions: &Mentions) -> bool {
+fn is_represented(world: &World, instruction: &str, range: &Range<usize>, goal: &Goal, mentions: &FullNames) -> bool {
     let number = &instruction[range.clone()];
     let known = texts(world, goal);
     let is_known = known
@@ -50,7 +50,7 @@ fn is_represented(world: &World, instruction: &str, range: &Range<usize>, goal: 
 
 /// Returns true if a number is the label of a thing that the goal is about, or that such a thing is at: "the tray from 22" names a
 /// room. What is named in full elsewhere needs no number.
-fn is_label(world: &World, instruction: &str, range: &Range<usize>, goal: &Goal, mentions: &Mentions) -> bool {
+fn is_label(world: &World, instruction: &str, range: &Range<usize>, goal: &Goal, mentions: &FullNames) -> bool {
     let asked = entities(world, goal);
     let is_near = |entity: EntityId| {
         asked.contains(&entity)

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::environment::{EntityId, World};
 use crate::goal::{Goal, Group};
-use names::Mentions;
+use names::FullNames;
 
 /// The kind of a part that the goal does not represent. It decides whether the part is a question or a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -147,7 +147,7 @@ impl Coverage {
     /// # Ok::<(), longstep::Error>(())
     /// ```
     pub fn new(world: &World, instruction: &str, goal: &Goal, left_out: &[LeftOut], is_alone: bool) -> Self {
-        let mentions = Mentions::of(world, instruction);
+        let mentions = FullNames::of(world, instruction);
         let mut gaps = marked(world, instruction, goal, left_out, is_alone);
         if is_alone {
             for (range, gap) in literal::gaps(world, instruction, goal, &mentions) {
@@ -157,7 +157,7 @@ impl Coverage {
         Self::with_gaps(world, instruction, goal, &mentions, gaps)
     }
 
-    fn with_gaps(world: &World, instruction: &str, goal: &Goal, mentions: &Mentions, mut gaps: Vec<Part>) -> Self {
+    fn with_gaps(world: &World, instruction: &str, goal: &Goal, mentions: &FullNames, mut gaps: Vec<Part>) -> Self {
         gaps.sort_by_key(|part| part.range.start);
         let mut parts = Vec::new();
         let mut start = 0;
@@ -275,7 +275,7 @@ fn ends_clause(text: &str, at: usize, character: char) -> bool {
 }
 
 /// Returns a part with the goals and constraints whose entities it names.
-fn with_role(world: &World, goal: &Goal, mentions: &Mentions, range: Range<usize>) -> Part {
+fn with_role(world: &World, goal: &Goal, mentions: &FullNames, range: Range<usize>) -> Part {
     let domain = world.domain();
     let named: Vec<EntityId> = mentions.within(&range).collect();
     let names_one = |entities: &[EntityId]| entities.iter().any(|entity| named.contains(entity));

@@ -20,9 +20,9 @@ struct Mention {
 
 /// The names of entities in an instruction: of overlapping ones, the longest.
 #[derive(Debug, Clone)]
-pub(super) struct Mentions(Vec<Mention>);
+pub(super) struct FullNames(Vec<Mention>);
 
-impl Mentions {
+impl FullNames {
     pub(super) fn of(world: &World, instruction: &str) -> Self {
         let words = words(instruction);
         let mut places: FxHashMap<&str, Vec<usize>> = FxHashMap::default();

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::environment::{EntityId, World};
-use crate::goal::Mentions;
+use crate::instruction::Mentions;
 use crate::model::{PredicateId, plain_words, singular, stem};
 
 /// Maximum candidates for an ambiguous reference to one entity of a kind.

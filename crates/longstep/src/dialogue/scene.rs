@@ -3,6 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use super::example::scene_text;
+use crate::instruction;
 use crate::environment::{EntityId, Fact, World};
 use crate::goal;
 
@@ -10,8 +11,8 @@ use crate::goal;
 pub fn scene(world: &World) -> String {
     let domain = world.domain();
     let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
-    let goals = domain.goal_words.iter().flat_map(|word| goal::sayable(world, word));
-    let sensed = goal::conditions(world)
+    let goals = domain.goal_words.iter().flat_map(|word| instruction::sayable(world, word));
+    let sensed = instruction::conditions(world)
         .into_iter()
         .flat_map(|own| domain.arguments(own.fact).collect::<Vec<_>>());
     let mut shown: FxHashSet<EntityId> = goals.flatten().chain(sensed).collect();

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::grammar::{FURTHER, GOAL};
-use super::language::{Form, JOINT, action_of, form};
+use super::language::{WrittenWish, JOINT, action_of, form};
 use crate::call::Call;
 use crate::dialogue::{ConstraintKind, Message, Role};
 use crate::goal::QUESTION;
@@ -28,8 +28,8 @@ pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample)
     }
     for part in example.answer.split(JOINT) {
         match form(part, example.plan.len()).map_err(|error| error.to_string())? {
-            Form::Insert { call, .. } | Form::Replace { call, .. } => known(call)?,
-            Form::Drop { .. } | Form::Move { .. } => {}
+            WrittenWish::Insert { call, .. } | WrittenWish::Replace { call, .. } => known(call)?,
+            WrittenWish::Drop { .. } | WrittenWish::Move { .. } => {}
         }
     }
     Ok(())

@@ -47,7 +47,7 @@ pub(super) const JOINT: &str = " & ";
 
 /// A parsed wish whose call is still text; steps count from 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Form<'t> {
+pub(super) enum WrittenWish<'t> {
     Insert { call: &'t str, before: usize },
     Drop { step: usize },
     Replace { step: usize, call: &'t str },
@@ -55,7 +55,7 @@ pub(super) enum Form<'t> {
 }
 
 /// Parses the form of one wish about a plan of `length` steps.
-pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
+pub(super) fn form(text: &str, length: usize) -> Result<WrittenWish<'_>, WishError> {
     let unknown = || WishError::UnknownForm(text.chars().take(80).collect());
     let number = |digits: &str| {
         let number: usize = digits.trim().parse().map_err(|_| unknown())?;
@@ -78,22 +78,22 @@ pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
     Ok(match verb {
         "insert" => {
             let (end, before) = placed(rest)?;
-            Form::Insert {
+            WrittenWish::Insert {
                 call: rest[..end].trim(),
                 before,
             }
         }
-        "drop" => Form::Drop { step: number(rest)? },
+        "drop" => WrittenWish::Drop { step: number(rest)? },
         "replace" => {
             let (step, call) = rest.split_once(" with ").ok_or_else(unknown)?;
-            Form::Replace {
+            WrittenWish::Replace {
                 step: number(step)?,
                 call: call.trim(),
             }
         }
         "move" => {
             let (end, before) = placed(rest)?;
-            Form::Move {
+            WrittenWish::Move {
                 step: number(&rest[..end])?,
                 before,
             }
@@ -124,7 +124,7 @@ pub fn parse(world: &World, text: &str, length: usize) -> Result<Vec<StepWish>, 
     let mut wishes: Vec<StepWish> = Vec::new();
     for part in text.split('&').map(str::trim) {
         let wish = match form(part, length)? {
-            Form::Insert { call, before } => {
+            WrittenWish::Insert { call, before } => {
                 let (action, arguments) = called(world, call)?;
                 StepWish::Insert {
                     before,
@@ -133,8 +133,8 @@ pub fn parse(world: &World, text: &str, length: usize) -> Result<Vec<StepWish>, 
                     explanation: String::new(),
                 }
             }
-            Form::Drop { step } => StepWish::Drop { step },
-            Form::Replace { step, call } => {
+            WrittenWish::Drop { step } => StepWish::Drop { step },
+            WrittenWish::Replace { step, call } => {
                 let (action, arguments) = called(world, call)?;
                 StepWish::Replace {
                     step,
@@ -143,7 +143,7 @@ pub fn parse(world: &World, text: &str, length: usize) -> Result<Vec<StepWish>, 
                     explanation: String::new(),
                 }
             }
-            Form::Move { step, before } => StepWish::Move { step, before },
+            WrittenWish::Move { step, before } => StepWish::Move { step, before },
         };
         // The first wish about a step counts.
         let covered = |earlier: &StepWish| *earlier == wish || (wish.step().is_some() && earlier.step() == wish.step());

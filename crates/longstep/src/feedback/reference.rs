@@ -1,7 +1,7 @@
 //! Calls and entities that an utterance about a plan names. Code reads nothing else in it.
 
 use crate::environment::{EntityId, World};
-use crate::goal::Mentions;
+use crate::instruction::Mentions;
 use crate::model::ActionId;
 use longstep_core::model::Domain;
 

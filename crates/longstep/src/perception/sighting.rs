@@ -52,7 +52,7 @@ pub struct Statement {
 
 /// A server's answer.
 #[derive(Debug, Deserialize)]
-struct Answer {
+struct ServerAnswer {
     assets: Vec<String>,
     objects: Vec<String>,
     #[serde(default)]
@@ -78,7 +78,7 @@ impl Sighting {
     ///
     /// The text is no such JSON, or has more names and states than a scene.
     pub(super) fn from_json(text: &str) -> Result<Self, DialogueError> {
-        let answer: Answer = object(text)?;
+        let answer: ServerAnswer = object(text)?;
         let too_many = |kind: &str, most: usize| DialogueError::Unreadable(format!("more than {most} {kind}"));
         if answer.assets.len() > NAMES || answer.objects.len() > NAMES || answer.absent.len() > NAMES {
             return Err(too_many("names", NAMES));

@@ -5,7 +5,7 @@ use indexmap::IndexMap;
 use crate::call::Call;
 use crate::environment::{Environment, World};
 use crate::model::StateWord;
-use longstep_core::environment::{Statements, Words};
+use longstep_core::environment::{Observation, Words};
 use longstep_core::model::{Domain, SpatialRelation};
 
 /// The relations that a look decides together: something that is on a place is in no other one.
@@ -28,7 +28,7 @@ pub enum Coverage {
 /// the world's own states those that the look does not decide.
 ///
 /// Entities that only the look has are listed too; an observation reports them as unknown.
-pub fn observation(world: &World, look: &Environment, coverage: Coverage) -> Statements {
+pub fn observation(world: &World, look: &Environment, coverage: Coverage) -> Observation {
     let domain = world.domain();
     let own = world.environment();
     let mut states = IndexMap::new();
@@ -42,7 +42,7 @@ pub fn observation(world: &World, look: &Environment, coverage: Coverage) -> Sta
         );
         states.insert(name.clone(), Words::Many(all));
     }
-    Statements { states, facts: None }
+    Observation { states, facts: None }
 }
 
 fn entries(environment: &Environment, name: &str) -> Vec<String> {

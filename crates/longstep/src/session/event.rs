@@ -10,7 +10,7 @@ use super::Settings;
 use crate::dialogue::{Likelihood, Message, Reading, Role, Usage};
 use crate::environment::Environment;
 use crate::plan::PlanFile;
-use longstep_core::environment::Statements;
+use longstep_core::environment::Observation;
 
 /// The version of logs that this library writes, and the newest that it reads.
 pub const VERSION: u32 = 5;
@@ -167,7 +167,7 @@ pub enum Event {
     /// The world was observed between two instructions.
     Observed {
         /// The statements.
-        statements: Statements,
+        statements: Observation,
         /// The differences from the expected world, as sentences.
         changes: Vec<String>,
     },
@@ -178,7 +178,7 @@ pub enum Event {
         /// True if the plan's goal was reached in the observed world.
         reached: bool,
         /// The statements about the world at the end.
-        statements: Statements,
+        statements: Observation,
         /// The differences from the expected world, as sentences.
         changes: Vec<String>,
     },

@@ -6,7 +6,8 @@ use crate::coverage::Coverage;
 use crate::dialogue::{Dialogue, DialogueError, Prepared, PromptError, Reply, Round, TokenCounter, plain_line};
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
-use crate::goal::{self, Goal, SpelledOut};
+use crate::goal::{self, Goal};
+use crate::instruction::{self, SpelledOut};
 use crate::report::{self, Answer};
 use crate::search::Limits;
 use crate::understanding::{FittedUnderstanding, Interpretation, Understanding, UnderstandingInput};
@@ -57,7 +58,7 @@ impl Session {
 
     fn pronoun(&self, instruction: &str) -> Option<SpelledOut> {
         let last = self.accepted.last()?;
-        goal::spelled_out(&self.world, instruction, &last.subjects(&self.domain))
+        instruction::spelled_out(&self.world, instruction, &last.subjects(&self.domain))
     }
 
     /// Starts the request with these entities in the prompt, or with all.

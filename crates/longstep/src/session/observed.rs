@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Event, OutOfTurn, Session, Stage};
 use crate::environment::World;
-use longstep_core::environment::{Observation, ObservationError, Statements};
+use longstep_core::environment::{ObservedFacts, ObservationError, Observation};
 use longstep_core::model::{Voice, change_text, changed_facts};
 
 /// The result of an observation.
@@ -51,7 +51,7 @@ pub(super) struct Taken {
     accepted: usize,
     /// The plan that a robot had carried out before.
     plan: Option<usize>,
-    statements: Statements,
+    statements: Observation,
 }
 
 /// The accepted plans that wait for a robot.
@@ -91,7 +91,7 @@ impl Session {
     /// # Errors
     ///
     /// A statement that the world does not have, or an instruction in progress.
-    pub fn observed(&mut self, statements: &Statements) -> Result<Observed, ObserveError> {
+    pub fn observed(&mut self, statements: &Observation) -> Result<Observed, ObserveError> {
         let observed = self.take_observation(None, statements)?;
         self.pending.is_left = !self.pending().is_empty();
         self.events.push(Event::Observed {
@@ -111,7 +111,7 @@ impl Session {
         &mut self,
         number: usize,
         reached: bool,
-        statements: &Statements,
+        statements: &Observation,
     ) -> Result<Observed, ObserveError> {
         if self.pending().next() != Some(number) {
             return Err(ObserveError::NotNext(number));
@@ -168,7 +168,7 @@ impl Session {
         }
     }
 
-    fn take_observation(&mut self, plan: Option<usize>, statements: &Statements) -> Result<Observed, ObserveError> {
+    fn take_observation(&mut self, plan: Option<usize>, statements: &Observation) -> Result<Observed, ObserveError> {
         let expected = self.world.clone();
         let unknown = match &self.stage {
             Stage::Ending(_) if plan.is_none() => self.narrow(statements)?,
@@ -208,7 +208,7 @@ impl Session {
     }
 
     /// Drops the possible endings of the last plan that an observation contradicts, unless it contradicts all of them.
-    fn narrow(&mut self, statements: &Statements) -> Result<Vec<String>, ObserveError> {
+    fn narrow(&mut self, statements: &Observation) -> Result<Vec<String>, ObserveError> {
         let Stage::Ending(left) = &self.stage else {
             return Ok(Vec::new());
         };
@@ -239,9 +239,9 @@ impl Session {
 }
 
 /// Returns the world after an observation, and the entities that it does not have.
-fn revised(world: &World, statements: &Statements) -> Result<(World, Vec<String>), ObservationError> {
-    let reports = Observation::reportable(world.domain());
-    let observation = Observation::read(world, &reports, statements)?;
+fn revised(world: &World, statements: &Observation) -> Result<(World, Vec<String>), ObservationError> {
+    let reports = ObservedFacts::reportable(world.domain());
+    let observation = ObservedFacts::read(world, &reports, statements)?;
     let state = observation.revised(world, &world.state);
     Ok((world.after_state(&state), observation.unknown))
 }

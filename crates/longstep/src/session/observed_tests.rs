@@ -6,7 +6,7 @@ use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain;
 use crate::environment::{self, Environment};
 use crate::json::Path;
-use longstep_core::environment::Statements;
+use longstep_core::environment::Observation;
 
 const KITCHEN: &str = r#"{"assets": ["<table>", "<shelf>", "<fridge>"], "objects": ["<milk>", "<cup>"],
     "object_states": {"<milk>": "inside_something(<fridge>)", "<cup>": "on_something(<table>)"}}"#;
@@ -41,7 +41,7 @@ fn accepted(session: &mut Session, instruction: &str, goal: &str) {
     session.accept().unwrap();
 }
 
-fn seen(text: &str) -> Statements {
+fn seen(text: &str) -> Observation {
     serde_json::from_str(text).unwrap()
 }
 

@@ -10,7 +10,8 @@ use crate::coverage::{Gap, LeftOut};
 use crate::dialogue::DialogueError;
 use crate::dialogue::answer_grammar::Form;
 use crate::environment::{EntityId, World};
-use crate::goal::{self, ALWAYS, Dependence, Goal, IF, NEVER, NOT, THEN, UNTIL};
+use crate::goal::{self, ALWAYS, Goal, IF, NEVER, NOT, THEN, UNTIL};
+use crate::instruction::{self, Dependence};
 use crate::model::{FormPiece, Function, GoalWord, Parameter, PredicateId, TypeId, ValueForm};
 
 /// The largest number of goals in a stage, and of constraints.
@@ -32,7 +33,7 @@ const QUESTION: &str = goal::QUESTION.trim_ascii_end();
 
 /// An answer to an instruction.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Answer {
+pub(super) struct ModelAnswer {
     /// The goal; none if the model asks.
     pub(super) goal: Option<Goal>,
     /// The words of the instruction that the goal does not say.
@@ -66,13 +67,13 @@ pub(super) fn split(text: &str) -> (&str, Vec<LeftOut>) {
 /// # Errors
 ///
 /// The answer is no goal in this world.
-pub(super) fn read(world: &World, text: &str) -> Result<Answer, DialogueError> {
+pub(super) fn read(world: &World, text: &str) -> Result<ModelAnswer, DialogueError> {
     if text.trim().starts_with(QUESTION) {
-        return Ok(Answer::default());
+        return Ok(ModelAnswer::default());
     }
     let (goal, left_out) = split(text);
     let goal = goal::parse(world, goal)?;
-    Ok(Answer {
+    Ok(ModelAnswer {
         goal: Some(goal.in_order(world).unwrap_or(goal)),
         left_out,
     })
@@ -196,7 +197,7 @@ impl<'a> Parts<'a> {
                 if self.takes_values(word) {
                     self.word_with_values(word).into_iter().collect()
                 } else {
-                    self.word(word, goal::sayable(self.world, word), false)
+                    self.word(word, instruction::sayable(self.world, word), false)
                 }
             })
             .collect();
@@ -209,7 +210,7 @@ impl<'a> Parts<'a> {
     /// Returns the form of a goal; none if the domain has nothing to ask for.
     fn goals(&self) -> Option<Form> {
         let simple = self.simple_goals()?;
-        let conditions = goal::conditions(self.world);
+        let conditions = instruction::conditions(self.world);
         if conditions.is_empty() {
             return Some(simple);
         }
@@ -331,7 +332,7 @@ impl<'a> Parts<'a> {
 
     /// Returns the entities for which a goal word with a value makes sense, as far as a known value shows it.
     fn fitting(&self, word: &GoalWord, parameter: usize) -> Vec<EntityId> {
-        match column(&goal::sayable(self.world, word), parameter) {
+        match column(&instruction::sayable(self.world, word), parameter) {
             known if known.is_empty() => self.world.of_kind(word.parameters[parameter].kind).to_vec(),
             known => known,
         }

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::answer::{self, Answer};
+use super::answer::{self, ModelAnswer};
 use super::interpretation::Interpretation;
 use super::profile::Profile;
 use super::question::{Question, which};
@@ -16,7 +16,8 @@ use crate::dialogue::{
 };
 use crate::effort;
 use crate::environment::World;
-use crate::goal::{self, GoalError, Mentions};
+use crate::goal::{self, GoalError};
+use crate::instruction::Mentions;
 use crate::model::Domain;
 
 /// The token budget of an answer under a grammar.
@@ -121,7 +122,7 @@ pub struct Understanding {
 /// how likely it finds that.
 #[derive(Debug, Clone)]
 struct SecondLook {
-    read: Answer,
+    read: ModelAnswer,
     profile: Profile,
     decision: Decision,
     /// The form of the prohibitions.
@@ -298,7 +299,7 @@ impl Understanding {
     }
 
     /// Returns the form of the prohibitions that may be missing in an answer; none if the model need not be asked for them.
-    fn form_of_second_look(&self, read: &Answer, profile: &Profile, decision: Decision) -> Option<Form> {
+    fn form_of_second_look(&self, read: &ModelAnswer, profile: &Profile, decision: Decision) -> Option<Form> {
         profile.prohibition?;
         let goal = read.goal.as_ref()?;
         let says_one = read.left_out.iter().any(|part| part.kind == Gap::Prohibition);
@@ -333,7 +334,7 @@ impl Understanding {
         self.transcript.receive(reply)?;
         self.candidates.push(forbidden);
         let with = answer::read(&self.world, self.transcript.answer())?;
-        let read = Answer {
+        let read = ModelAnswer {
             left_out: look.read.left_out,
             ..with
         };
@@ -344,7 +345,7 @@ impl Understanding {
     /// Asks about an answer that is no goal in this world.
     fn impossible(&mut self, error: &GoalError) -> Interpretation {
         let asked = format!("I cannot do it like that: {error}. What should I do?");
-        self.interpreted(Answer::default(), Profile::BELIEVED, Decision::Ask, asked)
+        self.interpreted(ModelAnswer::default(), Profile::BELIEVED, Decision::Ask, asked)
     }
 
     /// Reads the reply of a server.
@@ -358,7 +359,7 @@ impl Understanding {
                 ));
             }
             self.candidates.push(Candidate::new(asked.clone(), None));
-            return Ok(self.interpreted(Answer::default(), Profile::BELIEVED, Decision::Ask, asked));
+            return Ok(self.interpreted(ModelAnswer::default(), Profile::BELIEVED, Decision::Ask, asked));
         }
         goal::add_values(&mut self.world, &goal);
         let mut read = answer::read(&self.world, &goal)?;
@@ -369,11 +370,11 @@ impl Understanding {
         Ok(self.interpreted(read, Profile::BELIEVED, decision, asked))
     }
 
-    fn interpreted(&mut self, read: Answer, profile: Profile, decision: Decision, asked: String) -> Interpretation {
+    fn interpreted(&mut self, read: ModelAnswer, profile: Profile, decision: Decision, asked: String) -> Interpretation {
         if let Some(last) = self.candidates.last_mut() {
             last.chosen = true;
         }
-        let Answer { goal, left_out } = read;
+        let ModelAnswer { goal, left_out } = read;
         let which = match &goal {
             Some(goal) if profile.asks_which && decision.acts() => which(&self.world, &self.mentions, goal),
             _ => None,

@@ -22,13 +22,14 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// A model with the adapter for this request. The limits were set on the development suites (`kitchen` and `test`).
+    /// A model with the adapter for this request. The limits were set on development data: `kitchen`, `test`, and the prohibitions for
+    /// four robots.
     pub const TRAINED: Self = Self {
         name: "trained",
         goal: Some(-700),
         goal_ahead: Some(-4000),
         instead_of_question: Some(-700),
-        prohibition: Some(-10_000),
+        prohibition: Some(-8_000),
         asks_which: false,
     };
     /// A model that gives likelihoods and was not trained: it is sure of little.

@@ -1,7 +1,8 @@
 //! Questions to the person, in words about the world.
 
 use crate::environment::World;
-use crate::goal::{self, Goal, Mentions};
+use crate::goal::{self, Goal};
+use crate::instruction::{self, Mentions};
 
 /// A question about an instruction.
 pub(super) struct Question {
@@ -31,6 +32,6 @@ impl Question {
 
 /// Returns the question which of several things is meant that fit the words. It is asked once: the answer says which.
 pub(super) fn which(world: &World, mentions: &Mentions, goal: &Goal) -> Option<String> {
-    let which = || goal::which(world, mentions, goal);
+    let which = || instruction::which(world, mentions, goal);
     (!mentions.is_answered()).then(which).flatten()
 }

@@ -1,7 +1,8 @@
 //! Draws instructions that make sense in a world: what to reach, and words for it.
 
 use longstep::domain::{Domain, PredicateId};
-use longstep::goal::{Goal, GoalFact, offers, parse};
+use longstep::goal::{Goal, GoalFact, parse};
+use longstep::instruction::offers;
 use longstep::report;
 use longstep_core::environment::{EntityId, Fact, World};
 

@@ -2,7 +2,8 @@
 
 use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, direct_request};
 use longstep::domain::Domain;
-use longstep::goal::{self, Mentions};
+use longstep::goal;
+use longstep::instruction::{self, Mentions};
 use longstep::report::{self, Status};
 use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::environment::World;
@@ -51,7 +52,7 @@ fn instruct(domain: &str, environment: &Value, text: String) -> Work {
     let world = world_of(&domain, environment);
     Box::new(move || {
         let spoken = Mentions::of(&world, &text);
-        goal::spelled_out(&world, &text, &spoken.entities);
+        instruction::spelled_out(&world, &text, &spoken.entities);
         requests(&domain, &world, &text);
         false
     })

@@ -41,7 +41,7 @@ impl Reader<'_> {
             }
             own.push((section, atom, condition));
         }
-        let mut order = Order {
+        let mut order = TopologicalSort {
             rules: &rules,
             done: FxHashSet::default(),
             open: Vec::new(),
@@ -182,7 +182,7 @@ pub(super) fn is_of(term: Term, kind: TypeId, slot: usize) -> Condition {
 }
 
 /// The search for an order in which each predicate comes after those that it depends on.
-struct Order<'r, 'e> {
+struct TopologicalSort<'r, 'e> {
     rules: &'r FxHashMap<&'e str, Rules<'e>>,
     done: FxHashSet<&'e str>,
     open: Vec<&'e str>,
@@ -194,7 +194,7 @@ struct Order<'r, 'e> {
 /// The longest chain of derived predicates, so that a hostile file cannot exhaust the stack.
 const CHAIN: usize = 200;
 
-impl<'e> Order<'_, 'e> {
+impl<'e> TopologicalSort<'_, 'e> {
     fn visit(&mut self, name: &'e str) {
         if self.open.contains(&name) || self.open.len() > CHAIN {
             let on = self.open.last().copied().unwrap_or(name);

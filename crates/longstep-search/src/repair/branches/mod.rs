@@ -10,11 +10,11 @@ mod sensing;
 mod settle;
 #[cfg(test)]
 mod tests;
-mod way;
+mod path;
 
 use draft::Draft;
 use sensing::{behind_sensing, with_outcomes};
-use way::Order;
+use path::OutcomeOrder;
 
 use super::{Edit, EditKind, Pins, RepairOutcome, Repaired, repair_within};
 use longstep_model::model::{Fact, World};
@@ -53,7 +53,7 @@ pub(super) fn repair_branches(
     if !draft.unfold(0) {
         return gave_up("the plan has too many branches one after the other");
     }
-    let task = Task {
+    let task = BranchTask {
         limit,
         world,
         resolved,
@@ -61,10 +61,10 @@ pub(super) fn repair_branches(
         pins,
     };
     // Later paths must keep the steps that the first path settles. If that fails, another path goes first.
-    let first = task.way_by_way(draft.clone(), Order::FirstOutcome);
+    let first = task.path_by_path(draft.clone(), OutcomeOrder::FirstOutcome);
     match first {
         RepairOutcome::Repaired(_) => first,
-        _ => match task.way_by_way(draft, Order::LastOutcome) {
+        _ => match task.path_by_path(draft, OutcomeOrder::LastOutcome) {
             other @ RepairOutcome::Repaired(_) => other,
             _ => first,
         },
@@ -72,7 +72,7 @@ pub(super) fn repair_branches(
 }
 
 /// A branching draft and the constraints of its repair.
-struct Task<'a> {
+struct BranchTask<'a> {
     limit: usize,
     world: &'a World,
     resolved: &'a Resolved,
@@ -80,9 +80,9 @@ struct Task<'a> {
     pins: &'a Pins,
 }
 
-impl Task<'_> {
+impl BranchTask<'_> {
     /// Repairs one path after the other.
-    fn way_by_way(&self, mut draft: Draft, order: Order) -> RepairOutcome {
+    fn path_by_path(&self, mut draft: Draft, order: OutcomeOrder) -> RepairOutcome {
         let world = self.world;
         // The claim describes one ending, but each path has its own.
         let each = Purpose {
@@ -92,20 +92,20 @@ impl Task<'_> {
         };
         let (mut decisions, mut expanded, mut cost) = (Vec::new(), 0, 0);
         for _ in 0..WAYS {
-            let way = draft.way(world, &decisions, order);
-            let observed = with_outcomes(world, &way.outcomes.iter().map(|(_, fact)| *fact).collect::<Vec<_>>());
-            let (linear, pins) = draft.linear(self.resolved, &way, self.pins);
+            let path = draft.path(world, &decisions, order);
+            let observed = with_outcomes(world, &path.outcomes.iter().map(|(_, fact)| *fact).collect::<Vec<_>>());
+            let (linear, pins) = draft.linear(self.resolved, &path, self.pins);
             match repair_within(self.limit, &observed, &linear, &each, &pins) {
-                RepairOutcome::Valid(plan) => draft.settle(&way, plan.steps(), &[]),
+                RepairOutcome::Valid(plan) => draft.settle(&path, plan.steps(), &[]),
                 RepairOutcome::Repaired(repaired) => {
                     expanded += repaired.expanded;
                     cost += repaired.cost;
-                    let (steps, edits) = behind_sensing(world, &observed, *repaired, &each, &way.looped, &pins);
-                    draft.settle(&way, &steps, &edits);
+                    let (steps, edits) = behind_sensing(world, &observed, *repaired, &each, &path.looped, &pins);
+                    draft.settle(&path, &steps, &edits);
                 }
                 other => return other,
             }
-            decisions = way.decisions;
+            decisions = path.decisions;
             // Decisions count up like digits, so each path shares the longest prefix with the one before it.
             while decisions.last().is_some_and(|(taken, of)| taken + 1 == *of) {
                 decisions.pop();
@@ -119,7 +119,7 @@ impl Task<'_> {
             }
         }
         RepairOutcome::GaveUp {
-            why: "the plan has too many ways through it".to_owned(),
+            why: "the plan has too many paths through it".to_owned(),
             expanded,
         }
     }
@@ -140,7 +140,7 @@ impl Task<'_> {
         let plan = Plan::tree(order.iter().map(step).collect(), body);
         let Some((plan, given_up)) = plan.and_then(|plan| self.verified(plan)) else {
             return RepairOutcome::GaveUp {
-                why: "each way through the plan could be repaired, and together they are no valid plan".to_owned(),
+                why: "each path through the plan could be repaired, and together they are no valid plan".to_owned(),
                 expanded,
             };
         };

@@ -2,12 +2,12 @@
 
 use super::super::{Edit, EditKind};
 use super::draft::{Draft, Item, Part};
-use super::way::Way;
+use super::path::ExecutionPath;
 use longstep_verify::plan::Step;
 
 impl Draft {
     /// Applies the edits of a repaired path to the draft.
-    pub(super) fn settle(&mut self, way: &Way, steps: &[Step], edits: &[Edit]) {
+    pub(super) fn settle(&mut self, path: &ExecutionPath, steps: &[Step], edits: &[Edit]) {
         let place_of = |edit: &Edit| edit.step;
         let gone: Vec<usize> = edits
             .iter()
@@ -15,18 +15,18 @@ impl Draft {
             .map(place_of)
             .collect();
         // The steps of the repaired path that no edit concerns are those of the draft, in the same order.
-        let mut kept = (0..way.steps.len()).filter(|place| !gone.contains(place));
+        let mut kept = (0..path.steps.len()).filter(|place| !gone.contains(place));
         for edit in edits
             .iter()
             .filter(|edit| matches!(edit.kind, EditKind::Drop | EditKind::Move))
         {
-            let (number, block) = way.steps[edit.step];
+            let (number, block) = path.steps[edit.step];
             if let Some(block) = block {
                 self.blocks[block].retain(|part| !matches!(part, Part::Step(other) if *other == number));
             }
             if edit.kind == EditKind::Drop {
                 let item = &self.items[number];
-                let next = way.steps[edit.step + 1..].iter().map(|(number, _)| *number);
+                let next = path.steps[edit.step + 1..].iter().map(|(number, _)| *number);
                 let next = next.into_iter().next();
                 self.dropped
                     .push((item.from, item.written.clone(), edit.why.clone(), next));
@@ -35,17 +35,17 @@ impl Draft {
         for (at, step) in steps.iter().enumerate() {
             let edit = edits.iter().find(|edit| edit.at == at && edit.kind != EditKind::Drop);
             let number = match edit {
-                None => kept.next().map(|place| way.steps[place].0),
+                None => kept.next().map(|place| path.steps[place].0),
                 Some(edit) if edit.kind == EditKind::Replace => {
-                    let number = way.steps[edit.step].0;
+                    let number = path.steps[edit.step].0;
                     self.items[number].edit = Some((EditKind::Replace, edit.why.clone()));
                     Some(number)
                 }
                 Some(edit) => {
                     // It goes before the next step of the path that keeps its position.
-                    let next = kept.clone().next().map(|place| way.steps[place]);
+                    let next = kept.clone().next().map(|place| path.steps[place]);
                     let from = match edit.kind {
-                        EditKind::Move => self.items[way.steps[edit.step].0].from,
+                        EditKind::Move => self.items[path.steps[edit.step].0].from,
                         _ => next.map_or_else(|| self.end(), |(number, _)| self.items[number].from),
                     };
                     self.items.push(Item {
@@ -57,7 +57,7 @@ impl Draft {
                         settled: true,
                     });
                     let new = self.items.len() - 1;
-                    self.put_before(new, next, way.last);
+                    self.put_before(new, next, path.last);
                     Some(new)
                 }
             };

@@ -11,8 +11,8 @@ use std::rc::Rc;
 use indexmap::IndexMap;
 use rustc_hash::FxHashMap;
 
-use super::bound::Bounds;
-use super::policy::{Course, Then};
+use super::bound::LowerBounds;
+use super::policy::{Policy, Then};
 use crate::search::GroundAction;
 use crate::search::bits::Bits;
 use crate::search::dominance::Dominance;
@@ -33,7 +33,7 @@ pub(super) struct TooFar;
 struct Known {
     /// Lower bound on the worst case of any policy.
     at_least: u32,
-    course: Option<Rc<Course>>,
+    policy: Option<Rc<Policy>>,
     /// True if there is no policy because one was cut off by its cost, so that a dearer one may exist.
     is_cut: bool,
 }
@@ -56,7 +56,7 @@ pub(super) struct Manner {
 pub(super) struct Search<'a> {
     task: &'a Task,
     successors: Successors<'a>,
-    bounds: Bounds,
+    bounds: LowerBounds,
     manner: Manner,
     /// By sensing step: the operators of its outcomes.
     looks: Vec<Vec<u32>>,
@@ -81,7 +81,7 @@ pub(super) struct Search<'a> {
 
 /// An entry of the open list.
 #[derive(Clone)]
-enum Choice {
+enum OpenEntry {
     /// A node number.
     Node(u32),
     /// Sensing at a node: node number and index of the sensing step; its outcomes are not estimated yet.
@@ -89,24 +89,24 @@ enum Choice {
     /// Sensing at a node with estimated outcomes; the third number is a lower bound on the total steps.
     Outcomes(u32, u32, u32),
     /// A solved policy.
-    Solved(Rc<Course>),
+    Solved(Rc<Policy>),
 }
 
 /// The open list: ordered by cost, then heuristic value, then preferred operators, then order of discovery.
 #[derive(Default)]
 struct Open {
     heap: BinaryHeap<Reverse<(u32, u32, bool, u32)>>,
-    choices: Vec<Choice>,
+    choices: Vec<OpenEntry>,
 }
 
 impl Open {
-    fn push(&mut self, cost: u32, closeness: u32, preferred: bool, choice: Choice) {
+    fn push(&mut self, cost: u32, closeness: u32, preferred: bool, choice: OpenEntry) {
         let number = self.choices.len() as u32;
         self.choices.push(choice);
         self.heap.push(Reverse((cost, closeness, !preferred, number)));
     }
 
-    fn pop(&mut self) -> Option<(u32, Choice)> {
+    fn pop(&mut self) -> Option<(u32, OpenEntry)> {
         let Reverse((cost, _, _, number)) = self.heap.pop()?;
         Some((cost, self.choices[number as usize].clone()))
     }
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
         Self {
             task,
             successors: Successors::new(task),
-            bounds: Bounds::new(task, manner.looping),
+            bounds: LowerBounds::new(task, manner.looping),
             manner,
             looks: looks.into_values().collect(),
             expanding: task.units(),
@@ -160,20 +160,20 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the best policy from the initial state with a worst case of fewer steps than `below`, if there is one.
-    pub(super) fn run(&mut self, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
+    pub(super) fn run(&mut self, below: u32) -> Result<Option<Rc<Policy>>, TooFar> {
         self.dearest = below;
         match self.best(&start(self.task), below)? {
             None if self.left_out > 0 => Err(TooFar),
-            course => Ok(course),
+            policy => Ok(policy),
         }
     }
 
-    fn best(&mut self, start: &Bits, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
+    fn best(&mut self, start: &Bits, below: u32) -> Result<Option<Rc<Policy>>, TooFar> {
         if let Some(known) = self.known.get(start) {
-            match &known.course {
-                Some(course) if course.worst < below => return Ok(Some(Rc::clone(course))),
-                Some(course) => {
-                    let worst = course.worst;
+            match &known.policy {
+                Some(policy) if policy.worst < below => return Ok(Some(Rc::clone(policy))),
+                Some(policy) => {
+                    let worst = policy.worst;
                     self.cut(worst);
                     return Ok(None);
                 }
@@ -200,24 +200,24 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         let (left_out, cuts) = (self.left_out, self.cuts);
-        let course = self.search(start, below)?;
+        let policy = self.search(start, below)?;
         // Behind fewer sensing steps the same state may be solvable, so this result is not cached.
-        if course.is_none() && self.left_out > left_out {
+        if policy.is_none() && self.left_out > left_out {
             return Ok(None);
         }
         // In looping mode, a policy may return to the current sensing and is valid only there.
         if !self.manner.looping {
             let known = Known {
-                at_least: course.as_ref().map_or(below, |course| course.worst),
-                is_cut: course.is_none() && self.cuts > cuts,
-                course: course.clone(),
+                at_least: policy.as_ref().map_or(below, |policy| policy.worst),
+                is_cut: policy.is_none() && self.cuts > cuts,
+                policy: policy.clone(),
             };
             self.known.insert(start.clone(), known);
         }
-        Ok(course)
+        Ok(policy)
     }
 
-    fn search(&mut self, start: &Bits, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
+    fn search(&mut self, start: &Bits, below: u32) -> Result<Option<Rc<Policy>>, TooFar> {
         let mut nodes = Nodes {
             all: Vec::new(),
             numbers: FxHashMap::default(),
@@ -225,7 +225,7 @@ impl<'a> Search<'a> {
             dominance: (!self.manner.looping).then(|| Dominance::new(self.task)),
         };
         let mut open = Open::default();
-        let mut best: Option<Rc<Course>> = None;
+        let mut best: Option<Rc<Policy>> = None;
         self.discover(&mut nodes, &mut open, start.clone(), None, (0, 0, false));
         while let Some((cost, choice)) = open.pop() {
             if !effort::spend(1) {
@@ -247,7 +247,7 @@ impl<'a> Search<'a> {
             }
             let in_all = best.as_ref().map_or(u32::MAX, |best| best.total);
             match choice {
-                Choice::Node(number) => {
+                OpenEntry::Node(number) => {
                     let node = &nodes.all[number as usize];
                     // The total of a policy is at least its worst case, which the estimate bounds from below.
                     if node.expanded || cost > self.promise(node) || node.depth + node.estimate >= in_all {
@@ -259,7 +259,7 @@ impl<'a> Search<'a> {
                     }
                     self.take_up(&mut nodes, &mut open, number, best.is_some())?;
                 }
-                Choice::Look(number, look) => {
+                OpenEntry::Look(number, look) => {
                     let node = &nodes.all[number as usize];
                     let (depth, state) = (node.depth, node.state.clone());
                     // Estimates of outcomes cost as much as those of nodes, so they wait until the choice is due.
@@ -270,11 +270,11 @@ impl<'a> Search<'a> {
                             cost,
                             worst,
                             true,
-                            Choice::Outcomes(number, look, depth.saturating_add(sum)),
+                            OpenEntry::Outcomes(number, look, depth.saturating_add(sum)),
                         );
                     }
                 }
-                Choice::Outcomes(number, look, total) => {
+                OpenEntry::Outcomes(number, look, total) => {
                     let depth = nodes.all[number as usize].depth as usize;
                     let earlier = best.as_ref().is_none_or(|best| depth < best.path.len());
                     if total > in_all || (total == in_all && !earlier) {
@@ -283,14 +283,14 @@ impl<'a> Search<'a> {
                     let below = best
                         .as_ref()
                         .map_or(below, |best| below.min(best.worst.saturating_add(1)));
-                    if let Some(course) = self.solved(&nodes, number, look, below)? {
+                    if let Some(policy) = self.solved(&nodes, number, look, below)? {
                         // Back into the open list, since another choice may have a smaller bound than this worst case.
-                        open.push(course.worst, 0, true, Choice::Solved(Rc::new(course)));
+                        open.push(policy.worst, 0, true, OpenEntry::Solved(Rc::new(policy)));
                     }
                 }
-                Choice::Solved(course) => {
-                    if best.as_ref().is_none_or(|best| course.is_better(best)) {
-                        best = Some(course);
+                OpenEntry::Solved(policy) => {
+                    if best.as_ref().is_none_or(|best| policy.is_better(best)) {
+                        best = Some(policy);
                     }
                 }
             }
@@ -328,7 +328,7 @@ impl<'a> Search<'a> {
             let node = &nodes.all[number as usize];
             let later = self.promise(node);
             if later > before {
-                open.push(later, node.estimate, false, Choice::Node(number));
+                open.push(later, node.estimate, false, OpenEntry::Node(number));
                 return Ok(());
             }
         }
@@ -382,7 +382,7 @@ impl<'a> Search<'a> {
                     self.promise(node),
                     node.estimate,
                     true,
-                    Choice::Look(number, look as u32),
+                    OpenEntry::Look(number, look as u32),
                 );
             }
         }
@@ -416,7 +416,7 @@ impl<'a> Search<'a> {
             }
         };
         let node = &nodes.all[number as usize];
-        open.push(self.promise(node), node.estimate, preferred, Choice::Node(number));
+        open.push(self.promise(node), node.estimate, preferred, OpenEntry::Node(number));
     }
 
     /// Returns lower bounds on the cost of the outcomes of sensing: the worst one and the sum. None if one of them is
@@ -441,7 +441,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the best policy that senses at a node.
-    fn solved(&mut self, nodes: &Nodes, number: u32, look: u32, below: u32) -> Result<Option<Course>, TooFar> {
+    fn solved(&mut self, nodes: &Nodes, number: u32, look: u32, below: u32) -> Result<Option<Policy>, TooFar> {
         let node = &nodes.all[number as usize];
         let depth = node.depth + self.cost_of(look);
         let Some(left) = below.checked_sub(depth) else {
@@ -454,7 +454,7 @@ impl<'a> Search<'a> {
         for operator in self.looks[look as usize].clone() {
             let next = after(self.task, &node.state, &self.task.operators[operator as usize]);
             match self.best(&next, left)? {
-                Some(course) => outcomes.push((operator, course)),
+                Some(policy) => outcomes.push((operator, policy)),
                 None => break,
             }
         }
@@ -462,15 +462,15 @@ impl<'a> Search<'a> {
         self.before -= depth;
         let all = outcomes.len() == self.looks[look as usize].len();
         // A loop that no outcome ends is not a policy.
-        let ends = outcomes.iter().any(|(_, course)| course.then != Then::Again);
+        let ends = outcomes.iter().any(|(_, policy)| policy.then != Then::Again);
         if !all || !ends {
             return Ok(None);
         }
-        let worst = outcomes.iter().map(|(_, course)| course.worst).max().unwrap_or(0);
+        let worst = outcomes.iter().map(|(_, policy)| policy.worst).max().unwrap_or(0);
         let total = outcomes
             .iter()
-            .fold(0_u32, |sum, (_, course)| sum.saturating_add(course.total));
-        Ok(Some(Course {
+            .fold(0_u32, |sum, (_, policy)| sum.saturating_add(policy.total));
+        Ok(Some(Policy {
             path: path(&nodes.all, number),
             then: Then::Look(outcomes),
             worst: depth + worst,
@@ -481,9 +481,9 @@ impl<'a> Search<'a> {
 
 impl Nodes {
     /// Returns the policy that consists of the path to a node.
-    fn straight(&self, number: u32, then: Then) -> Course {
+    fn straight(&self, number: u32, then: Then) -> Policy {
         let depth = self.all[number as usize].depth;
-        Course {
+        Policy {
             path: path(&self.all, number),
             then,
             worst: depth,

@@ -14,14 +14,14 @@ use crate::search::task::Task;
 use longstep_model::effort;
 
 /// Alternative outcomes of sensing, exactly one of which holds: their fact numbers, sorted.
-type Group = Vec<u32>;
+type OutcomeGroup = Vec<u32>;
 
 /// Lower bounds for the states of one task.
 #[derive(Debug)]
-pub(super) struct Bounds {
+pub(super) struct LowerBounds {
     /// Optimistic bound: sensing has the best outcome.
     wishful: LandmarkCut,
-    groups: Vec<(Group, Vec<LandmarkCut>)>,
+    groups: Vec<(OutcomeGroup, Vec<LandmarkCut>)>,
     known: FxHashMap<Bits, Estimate>,
     /// Number of evaluated states.
     pub(super) looked_at: usize,
@@ -36,12 +36,12 @@ pub(super) struct Estimate {
     pub(super) preferred: Vec<u32>,
 }
 
-impl Bounds {
+impl LowerBounds {
     /// Prepares the bounds. If `looping`, repeated sensing may have different outcomes, so only the optimistic bound is
     /// valid.
     pub(super) fn new(task: &Task, looping: bool) -> Self {
         let groups = if looping { Vec::new() } else { groups(task) };
-        let bounds = |group: Group| {
+        let bounds = |group: OutcomeGroup| {
             let alone = |outcome: &u32| LandmarkCut::new(&only(task, &group, *outcome));
             // The largest of fewer lower bounds is a lower bound too.
             let affordable = group.iter().take_while(|_| !effort::is_exhausted());
@@ -74,7 +74,7 @@ impl Bounds {
             }
             estimate.cost.is_some()
         };
-        let unknown = |group: &Group| group.iter().all(|fact| !state.holds(*fact));
+        let unknown = |group: &OutcomeGroup| group.iter().all(|fact| !state.holds(*fact));
         let mut open = self.groups.iter_mut().filter(|(group, _)| unknown(group)).peekable();
         // The tasks with a fixed outcome have fewer operators, so their bounds are seldom below the optimistic one.
         if open.peek().is_none() {
@@ -90,12 +90,12 @@ impl Bounds {
 }
 
 /// Returns the groups of alternative sensing outcomes in a task.
-pub(super) fn groups(task: &Task) -> Vec<Group> {
-    let mut by_step: FxHashMap<_, Group> = FxHashMap::default();
+pub(super) fn groups(task: &Task) -> Vec<OutcomeGroup> {
+    let mut by_step: FxHashMap<_, OutcomeGroup> = FxHashMap::default();
     for operator in task.operators.iter().filter(|operator| operator.outcome.is_some()) {
         by_step.entry(&operator.step).or_default().extend(outcome(operator));
     }
-    let mut groups: Vec<Group> = by_step.into_values().collect();
+    let mut groups: Vec<OutcomeGroup> = by_step.into_values().collect();
     groups.iter_mut().for_each(|group| group.sort_unstable());
     groups.sort_unstable();
     groups.dedup();
@@ -109,7 +109,7 @@ pub(super) fn outcome(operator: &Operator) -> Option<u32> {
 }
 
 /// Restricts sensing of the group to this outcome.
-pub(super) fn only(task: &Task, group: &Group, alone: u32) -> Task {
+pub(super) fn only(task: &Task, group: &OutcomeGroup, alone: u32) -> Task {
     effort::spend(32 * task.units());
     let mut task = task.clone();
     task.operators.retain(|operator| {

@@ -16,7 +16,7 @@ mod policy;
 mod tests;
 
 use self::and_or::{DEEPEST, Manner, Search, TooFar};
-use self::policy::Course;
+use self::policy::Policy;
 use super::cost::{self, Costs};
 use super::target::Target;
 use super::task::Task;
@@ -123,7 +123,7 @@ struct Tally {
 }
 
 /// Runs a search within so many units of work, and adds to the tally.
-fn run(task: &Task, manner: Manner, below: u32, work: u64, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
+fn run(task: &Task, manner: Manner, below: u32, work: u64, tally: &mut Tally) -> Result<Option<Policy>, TooFar> {
     let spent = effort::within(work, || {
         let mut search = Search::new(task, manner);
         (search.run(below), search.looked_at(), search.is_too_dear())
@@ -135,7 +135,7 @@ fn run(task: &Task, manner: Manner, below: u32, work: u64, tally: &mut Tally) ->
         tally.exhausted = true;
         return Err(TooFar);
     }
-    found.map(|course| course.map(|course| (*course).clone()))
+    found.map(|policy| policy.map(|policy| (*policy).clone()))
 }
 
 fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome {
@@ -148,8 +148,8 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
     };
     let work = limits.run_for_any();
     let mut tally = Tally::default();
-    let solved = |task: &Task, course: &Course, shortest: bool, expanded: usize| {
-        let plan = policy::plan(world, task, course);
+    let solved = |task: &Task, policy: &Policy, shortest: bool, expanded: usize| {
+        let plan = policy::plan(world, task, policy);
         plan.map_or_else(
             || Outcome::GaveUp {
                 why: "the plan that was found branches too deep".to_owned(),
@@ -157,14 +157,14 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
             },
             |plan| Outcome::Solved {
                 plan,
-                worst: course.steps(),
-                cost: course.cost(world, task),
+                worst: policy.steps(),
+                cost: policy.cost(world, task),
                 at_least: if shortest && !world.domain().has_costs() {
-                    course.steps()
+                    policy.steps()
                 } else {
                     0
                 },
-                shortest: shortest && (course.steps() as usize) < costs.steps,
+                shortest: shortest && (policy.steps() as usize) < costs.steps,
                 expanded,
             },
         )
@@ -189,7 +189,7 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
     let greedy = greedy.map(|manner| (manner, work / DEPTHS.len() as u64));
     for (manner, work) in std::iter::once((manner(limits.shortest), work)).chain(greedy) {
         match run(task, manner, dearest(task), work, &mut tally) {
-            Ok(Some(course)) => return solved(task, &course, manner.weight == 1, tally.states),
+            Ok(Some(policy)) => return solved(task, &policy, manner.weight == 1, tally.states),
             Ok(None) => {
                 // A longer plan than the search may find is no proof that there is none.
                 too_long = tally.is_too_dear;
@@ -205,9 +205,9 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
     };
     // Sensing is applicable only while its outcome is unknown, so a loop needs an action that makes it unknown.
     if forgets(task)
-        && let Ok(Some(course)) = run(task, looping, dearest(task), work, &mut tally)
+        && let Ok(Some(policy)) = run(task, looping, dearest(task), work, &mut tally)
     {
-        return solved(task, &course, false, tally.states);
+        return solved(task, &policy, false, tally.states);
     }
     match proven {
         // If known facts can be lost again, another kind of loop may work.

@@ -10,7 +10,7 @@ use longstep_verify::plan::{Node, Plan, Step, StepId, Test};
 
 /// A policy from a state on: a sequence of operator numbers, and the continuation.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Course {
+pub(super) struct Policy {
     pub(super) path: Vec<u32>,
     pub(super) then: Then,
     /// Cost in the worst case, with one iteration of each loop.
@@ -19,7 +19,7 @@ pub(super) struct Course {
     pub(super) total: u32,
 }
 
-/// Continuation of a [`Course`].
+/// Continuation of a [`Policy`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Then {
     /// The goal holds.
@@ -27,16 +27,16 @@ pub(super) enum Then {
     /// Repeats the sensing that led here.
     Again,
     /// Sensing, with an operator and a policy for each outcome, in the order of the action's outcomes.
-    Look(Vec<(u32, Rc<Course>)>),
+    Look(Vec<(u32, Rc<Policy>)>),
 }
 
-impl Course {
+impl Policy {
     /// Returns the number of steps in the worst case, with one iteration of each loop.
     pub(super) fn steps(&self) -> u32 {
         let path = self.path.len() as u32;
         match &self.then {
             Then::Done | Then::Again => path,
-            Then::Look(outcomes) => path + 1 + outcomes.iter().map(|(_, course)| course.steps()).max().unwrap_or(0),
+            Then::Look(outcomes) => path + 1 + outcomes.iter().map(|(_, policy)| policy.steps()).max().unwrap_or(0),
         }
     }
 
@@ -47,8 +47,8 @@ impl Course {
         let Then::Look(outcomes) = &self.then else {
             return Some(path);
         };
-        let after = |(operator, course): &(u32, Rc<Course>)| {
-            cost::total(world, [step(operator)])?.plus(course.cost(world, task)?)
+        let after = |(operator, policy): &(u32, Rc<Policy>)| {
+            cost::total(world, [step(operator)])?.plus(policy.cost(world, task)?)
         };
         let worst = outcomes.iter().map(after).collect::<Option<Vec<Number>>>()?;
         path.plus(worst.into_iter().max().unwrap_or_default())
@@ -56,80 +56,80 @@ impl Course {
 
     /// Returns true if `self` is preferable: fewer steps in the worst case, fewer in total, earlier sensing.
     pub(super) fn is_better(&self, other: &Self) -> bool {
-        let rank = |course: &Self| (course.worst, course.total, course.path.len());
+        let rank = |policy: &Self| (policy.worst, policy.total, policy.path.len());
         rank(self) < rank(other)
     }
 }
 
 /// A part of a plan before its steps are numbered.
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Piece {
+enum PlanPiece {
     Do(GroundAction),
     /// Sensing, and a branch for each outcome.
-    Look(GroundAction, Vec<Way>),
+    Look(GroundAction, Vec<OutcomeBranch>),
     /// A sensing loop: a body for each outcome that repeats it, and the outcomes that end it.
-    Loop(GroundAction, Vec<Way>, Vec<Fact>),
+    Loop(GroundAction, Vec<OutcomeBranch>, Vec<Fact>),
     /// A branch for each outcome that is already known.
-    Known(Vec<Way>),
+    Known(Vec<OutcomeBranch>),
 }
 
 /// Work units for a step of the plan, which is explained and compared with other branches.
 const PIECE: usize = 64;
 
 /// An outcome with its branch.
-type Way = (Fact, Vec<Piece>);
+type OutcomeBranch = (Fact, Vec<PlanPiece>);
 
 /// Converts a policy to a plan.
 ///
 /// Steps at the end of all branches are moved after the branch, and outcomes with equal branches share one. Returns
 /// none if the branches are nested too deeply.
-pub(super) fn plan(world: &World, task: &Task, course: &Course) -> Option<Plan> {
+pub(super) fn plan(world: &World, task: &Task, policy: &Policy) -> Option<Plan> {
     let domain = world.domain();
     let mut writer = Writer {
         domain,
         world,
         steps: Vec::new(),
     };
-    let body = writer.nodes(pieces(task, course));
+    let body = writer.nodes(pieces(task, policy));
     Plan::tree(writer.steps, body)
 }
 
-fn pieces(task: &Task, course: &Course) -> Vec<Piece> {
+fn pieces(task: &Task, policy: &Policy) -> Vec<PlanPiece> {
     // Policies share subtrees, plans do not, so a plan can be exponentially larger.
-    if !effort::spend(PIECE * (1 + course.path.len())) {
+    if !effort::spend(PIECE * (1 + policy.path.len())) {
         return Vec::new();
     }
     let step = |number: &u32| task.operators[*number as usize].step.clone();
-    let mut pieces: Vec<Piece> = course.path.iter().map(|number| Piece::Do(step(number))).collect();
-    let Then::Look(outcomes) = &course.then else {
+    let mut pieces: Vec<PlanPiece> = policy.path.iter().map(|number| PlanPiece::Do(step(number))).collect();
+    let Then::Look(outcomes) = &policy.then else {
         return pieces;
     };
-    let way = |(number, course): &(u32, Rc<Course>)| -> Option<Way> {
-        Some((task.operators[*number as usize].outcome?, pieces_of(task, course)))
+    let way = |(number, policy): &(u32, Rc<Policy>)| -> Option<OutcomeBranch> {
+        Some((task.operators[*number as usize].outcome?, pieces_of(task, policy)))
     };
-    let (again, on): (Vec<_>, Vec<_>) = outcomes.iter().partition(|(_, course)| course.then == Then::Again);
+    let (again, on): (Vec<_>, Vec<_>) = outcomes.iter().partition(|(_, policy)| policy.then == Then::Again);
     let Some(sensing) = outcomes.first().map(|(number, _)| step(number)) else {
         return pieces;
     };
-    let mut ways: Vec<Way> = on.into_iter().filter_map(way).collect();
+    let mut ways: Vec<OutcomeBranch> = on.into_iter().filter_map(way).collect();
     let tail = common_tail(&mut ways);
     if again.is_empty() {
-        pieces.push(Piece::Look(sensing, ways));
+        pieces.push(PlanPiece::Look(sensing, ways));
     } else {
         let exits = ways.iter().map(|(fact, _)| *fact).collect();
-        pieces.push(Piece::Loop(sensing, again.into_iter().filter_map(way).collect(), exits));
-        pieces.push(Piece::Known(ways));
+        pieces.push(PlanPiece::Loop(sensing, again.into_iter().filter_map(way).collect(), exits));
+        pieces.push(PlanPiece::Known(ways));
     }
     pieces.extend(tail);
     pieces
 }
 
-fn pieces_of(task: &Task, course: &Rc<Course>) -> Vec<Piece> {
-    pieces(task, course)
+fn pieces_of(task: &Task, policy: &Rc<Policy>) -> Vec<PlanPiece> {
+    pieces(task, policy)
 }
 
 /// Removes the common suffix of all branches and returns it.
-fn common_tail(ways: &mut [Way]) -> Vec<Piece> {
+fn common_tail(ways: &mut [OutcomeBranch]) -> Vec<PlanPiece> {
     let mut tail = Vec::new();
     while let Some(last) = ways.first().and_then(|(_, pieces)| pieces.last()).cloned()
         && ways.iter().all(|(_, pieces)| pieces.last() == Some(&last))
@@ -154,20 +154,20 @@ impl Writer<'_> {
         StepId::new(self.steps.len() - 1)
     }
 
-    fn nodes(&mut self, pieces: Vec<Piece>) -> Vec<Node> {
+    fn nodes(&mut self, pieces: Vec<PlanPiece>) -> Vec<Node> {
         let mut nodes = Vec::new();
         for piece in pieces {
             match piece {
-                Piece::Do(step) => nodes.push(Node::Step(self.step(step))),
-                Piece::Look(step, ways) => self.look(step, ways, &mut nodes),
-                Piece::Loop(step, again, exits) => nodes.push(self.repeat(step, again, &exits)),
-                Piece::Known(ways) => nodes.extend(self.known(shared(ways))),
+                PlanPiece::Do(step) => nodes.push(Node::Step(self.step(step))),
+                PlanPiece::Look(step, ways) => self.look(step, ways, &mut nodes),
+                PlanPiece::Loop(step, again, exits) => nodes.push(self.repeat(step, again, &exits)),
+                PlanPiece::Known(ways) => nodes.extend(self.known(shared(ways))),
             }
         }
         nodes
     }
 
-    fn look(&mut self, step: GroundAction, ways: Vec<Way>, nodes: &mut Vec<Node>) {
+    fn look(&mut self, step: GroundAction, ways: Vec<OutcomeBranch>, nodes: &mut Vec<Node>) {
         let sides = shared(ways);
         let id = self.step(step);
         match <[Side; 2]>::try_from(sides) {
@@ -216,7 +216,7 @@ impl Writer<'_> {
         }]
     }
 
-    fn repeat(&mut self, step: GroundAction, again: Vec<Way>, exits: &[Fact]) -> Node {
+    fn repeat(&mut self, step: GroundAction, again: Vec<OutcomeBranch>, exits: &[Fact]) -> Node {
         let first = self
             .domain
             .action(step.action)
@@ -246,10 +246,10 @@ impl Writer<'_> {
 }
 
 /// Outcomes with a common branch.
-type Side = (Vec<Fact>, Vec<Piece>);
+type Side = (Vec<Fact>, Vec<PlanPiece>);
 
 /// Merges outcomes with equal branches.
-fn shared(ways: Vec<Way>) -> Vec<Side> {
+fn shared(ways: Vec<OutcomeBranch>) -> Vec<Side> {
     let mut sides: Vec<Side> = Vec::new();
     for (fact, pieces) in ways {
         match sides.iter_mut().find(|(_, known)| *known == pieces) {

@@ -1,6 +1,6 @@
 //! The steps of an agent that writes the action and its input on lines of their own: `Action: Grab`, `Action Input: {"item": "cup"}`.
 
-use super::Found;
+use super::FoundPlan;
 use super::objects::no_step;
 use super::step_value::step_with_input;
 use super::unreadable::Unreadable;
@@ -13,7 +13,7 @@ const INPUT: &str = "Action Input:";
 const LABELS: [&str; 4] = [ACTION, "Observation:", "Thought:", "Final Answer:"];
 
 /// Finds the steps of an agent; none if no line is an input.
-pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
+pub(super) fn find(text: &str) -> Option<Result<FoundPlan, Unreadable>> {
     let label = |line: &str| line.trim_start().trim_start_matches(['*', '#', ' ']).replace("**", "");
     let mut action: Option<(usize, String)> = None;
     let mut input: Option<String> = None;
@@ -64,5 +64,5 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
     let start = first?;
     let mut notes = Notes::default();
     notes.add(LeniencyKind::Notation("the steps of an agent"), start);
-    Some(Found::of_steps(text, steps, start, notes))
+    Some(FoundPlan::of_steps(text, steps, start, notes))
 }

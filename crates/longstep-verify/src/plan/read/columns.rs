@@ -1,6 +1,6 @@
 //! Steps in the columns of a table, in Markdown or CSV: one column has the action, the others its arguments.
 
-use super::Found;
+use super::FoundPlan;
 use super::objects::no_step;
 use super::step_value::{ACTION_KEYS, COUNT_KEYS, EXPLANATION_KEYS, add_arguments, bare_step, snake_case};
 use super::unreadable::Unreadable;
@@ -8,7 +8,7 @@ use crate::plan::WrittenStep;
 use longstep_model::literal::{FENCE, LeniencyKind, Notes, Value};
 
 /// Finds the only table of a text whose heads name an action and arguments; none without one.
-pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
+pub(super) fn find(text: &str) -> Option<Result<FoundPlan, Unreadable>> {
     let mut columns: Option<(usize, Vec<Column>, char)> = None;
     let mut steps = Vec::new();
     let mut at = 0;
@@ -41,7 +41,7 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
     }
     let mut notes = Notes::default();
     notes.add(LeniencyKind::Notation("a table with columns"), start);
-    Some(Found::of_steps(text, steps, start, notes))
+    Some(FoundPlan::of_steps(text, steps, start, notes))
 }
 
 /// Returns the columns of a row of heads, and the sign between its cells.

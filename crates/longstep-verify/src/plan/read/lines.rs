@@ -6,14 +6,14 @@ use super::line::{Form, Line};
 use super::objects::beginning;
 use super::stray::{Known, may_be_steps};
 use super::unreadable::Unreadable;
-use super::{Found, around, blocks, scripts};
+use super::{FoundPlan, around, blocks, scripts};
 use crate::plan::WrittenStep;
 use longstep_model::call::Call;
 use longstep_model::diagnostic::Position;
 use longstep_model::literal::{FENCE, LeniencyKind, Notes};
 
 /// Finds steps on lines of their own; none if no line is one.
-pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
+pub(super) fn find(text: &str) -> Option<Result<FoundPlan, Unreadable>> {
     let mut groups = Groups::default();
     groups.read(text)?;
     if let Some(error) = groups.error(text) {
@@ -32,7 +32,7 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
         read_to = group.end;
     }
     around(text, read_to..text.len(), &mut notes);
-    Some(Found::of_steps(text, first.steps, first.start, notes))
+    Some(FoundPlan::of_steps(text, first.steps, first.start, notes))
 }
 
 /// Steps that stand together: in one code block, or in one count of numbers. Places are byte offsets.

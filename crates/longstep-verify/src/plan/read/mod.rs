@@ -76,13 +76,13 @@ pub fn read(text: &str) -> Result<Draft, Unreadable> {
 
 /// A plan in a text.
 #[derive(Debug)]
-struct Found {
+struct FoundPlan {
     file: PlanFile,
     start: usize,
     notes: Notes,
 }
 
-impl Found {
+impl FoundPlan {
     /// Creates a plan of steps one after another, which stand at `start` of the text.
     ///
     /// # Errors
@@ -132,7 +132,7 @@ struct Notation {
     /// The noun for messages.
     name: &'static str,
     /// Finds the plan that a text has in this notation; none if nothing in the text is meant as one.
-    find: fn(&str) -> Option<Result<Found, Unreadable>>,
+    find: fn(&str) -> Option<Result<FoundPlan, Unreadable>>,
 }
 
 const NOTATIONS: [Notation; 4] = [
@@ -158,7 +158,7 @@ const NOTATIONS: [Notation; 4] = [
 const INNERMOST: usize = 4;
 
 /// Finds the plan of a text that stands `depth` texts deep in a reply.
-fn find(text: &str, depth: usize) -> Result<Found, Unreadable> {
+fn find(text: &str, depth: usize) -> Result<FoundPlan, Unreadable> {
     if text.len() > LARGEST {
         return Err(Unreadable::TooLarge {
             bytes: text.len(),
@@ -177,7 +177,7 @@ fn find(text: &str, depth: usize) -> Result<Found, Unreadable> {
             .notes
             .notations()
             .for_each(|name| notes.add(LeniencyKind::Notation(name), 0));
-        return Ok(Found {
+        return Ok(FoundPlan {
             start: 0,
             notes,
             ..found
@@ -201,7 +201,7 @@ fn quoted(text: &str) -> Option<String> {
     text.starts_with('"').then(|| serde_json::from_str(text).ok()).flatten()
 }
 
-fn find_in_answer(text: &str, depth: usize) -> Result<Found, Unreadable> {
+fn find_in_answer(text: &str, depth: usize) -> Result<FoundPlan, Unreadable> {
     // Its inputs are objects, which are no plans by themselves.
     if let Some(found) = agent::find(text) {
         return found;
@@ -218,7 +218,7 @@ fn find_in_answer(text: &str, depth: usize) -> Result<Found, Unreadable> {
         Ok(survey) => thoughts::blank(text, &survey.read),
         Err(_) => text.into(),
     };
-    let mut readings: Vec<(&str, Result<Found, Unreadable>)> = Vec::new();
+    let mut readings: Vec<(&str, Result<FoundPlan, Unreadable>)> = Vec::new();
     let rest = match survey {
         Ok(survey) => match survey.plan(text) {
             Ok(read) => {
@@ -243,9 +243,9 @@ fn find_in_answer(text: &str, depth: usize) -> Result<Found, Unreadable> {
 }
 
 /// Returns the plan on which all readings agree that are plans; the first error if none is one; none without a reading.
-fn chosen(text: &str, readings: Vec<(&'static str, Result<Found, Unreadable>)>) -> Option<Result<Found, Unreadable>> {
+fn chosen(text: &str, readings: Vec<(&'static str, Result<FoundPlan, Unreadable>)>) -> Option<Result<FoundPlan, Unreadable>> {
     let mut error = None;
-    let mut plan: Option<(&'static str, Found)> = None;
+    let mut plan: Option<(&'static str, FoundPlan)> = None;
     for (name, reading) in readings {
         match (reading, &plan) {
             (Ok(found), None) => plan = Some((name, found)),

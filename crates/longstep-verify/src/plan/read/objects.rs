@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::step_value::{Candidate, candidates};
+use super::step_value::{PlanCandidate, candidates};
 use super::unreadable::Unreadable;
-use super::{Found, around, shape};
+use super::{FoundPlan, around, shape};
 use crate::plan::WrittenStep;
 use longstep_model::diagnostic::Position;
 use longstep_model::json::Path;
@@ -29,7 +29,7 @@ pub(super) struct Survey {
 
 /// The first plan in a reply.
 struct FirstPlan {
-    found: Found,
+    found: FoundPlan,
     /// Number of plans.
     count: usize,
     /// Start of the first plan that differs.
@@ -68,7 +68,7 @@ pub(super) fn survey(text: &str, depth: usize) -> Result<Survey, Unreadable> {
 }
 
 /// Finds the plan of one value, which stands at `start` and has the notes of its reader.
-pub(super) fn plan_of_value(text: &str, literal: Literal, depth: usize) -> Option<Result<Found, Unreadable>> {
+pub(super) fn plan_of_value(text: &str, literal: Literal, depth: usize) -> Option<Result<FoundPlan, Unreadable>> {
     let Literal { node, notes, .. } = literal;
     let found = candidates("", &node, depth);
     let mut seen = Survey::default();
@@ -85,7 +85,7 @@ fn is_plain_list(value: &Value) -> bool {
 
 impl Survey {
     /// Adds the plans and steps of a value that stands at `start`.
-    fn add_all(&mut self, text: &str, found: Vec<Candidate>, start: usize, notes: Notes) -> Result<(), Unreadable> {
+    fn add_all(&mut self, text: &str, found: Vec<PlanCandidate>, start: usize, notes: Notes) -> Result<(), Unreadable> {
         if found.is_empty() {
             self.notes.add(LeniencyKind::OtherObject, start);
         }
@@ -99,18 +99,18 @@ impl Survey {
             let mut notes = used.take().unwrap_or_default();
             match candidate {
                 // This object may be a part of the broken one, whose other content would be lost.
-                Candidate::Plan { is_part: true, .. } if self.broken.is_some() => {}
-                Candidate::Plan { node, path, .. } => {
+                PlanCandidate::Plan { is_part: true, .. } if self.broken.is_some() => {}
+                PlanCandidate::Plan { node, path, .. } => {
                     wrapped(&mut notes, path.clone());
                     let file = shape::plan(text, node, &path, &mut notes)?;
-                    self.add(Found { file, start, notes });
+                    self.add(FoundPlan { file, start, notes });
                 }
-                Candidate::Steps {
+                PlanCandidate::Steps {
                     steps, is_sure: false, ..
                 } => {
                     self.unsure.get_or_insert((steps, start));
                 }
-                Candidate::Steps {
+                PlanCandidate::Steps {
                     steps, ignored, path, ..
                 } => {
                     for key in &ignored {
@@ -118,26 +118,26 @@ impl Survey {
                     }
                     wrapped(&mut notes, path);
                     notes.add(LeniencyKind::Notation("a list of steps"), start);
-                    self.add(Found::of_steps(text, steps, start, notes)?);
+                    self.add(FoundPlan::of_steps(text, steps, start, notes)?);
                 }
-                Candidate::Step(step) => {
+                PlanCandidate::Step(step) => {
                     self.notes.append(notes);
                     self.steps.push((step, start));
                 }
-                Candidate::Refused { at, message } => {
+                PlanCandidate::Refused { at, message } => {
                     return Err(Unreadable::Malformed {
                         position: Position::of(text, at),
                         message,
                     });
                 }
-                Candidate::NotWhole { at, key, reason } => {
+                PlanCandidate::NotWhole { at, key, reason } => {
                     return Err(Unreadable::NotWhole {
                         position: Position::of(text, at),
                         key,
                         reason,
                     });
                 }
-                Candidate::Inner { found, at, path } => {
+                PlanCandidate::Inner { found, at, path } => {
                     let found = found.map_err(|error| Unreadable::Inside {
                         position: Position::of(text, at),
                         path: path.clone(),
@@ -149,14 +149,14 @@ impl Survey {
                         .notations()
                         .for_each(|name| notes.add(LeniencyKind::Notation(name), at));
                     wrapped(&mut notes, path);
-                    self.add(Found { notes, start, ..*found });
+                    self.add(FoundPlan { notes, start, ..*found });
                 }
             }
         }
         Ok(())
     }
 
-    fn add(&mut self, found: Found) {
+    fn add(&mut self, found: FoundPlan) {
         let Some(first) = &mut self.plan else {
             self.plan = Some(FirstPlan {
                 found,
@@ -178,7 +178,7 @@ impl Survey {
     /// # Errors
     ///
     /// The reason why the text has no plan.
-    pub(super) fn plan(mut self, text: &str) -> Result<Result<Found, Unreadable>, Unreadable> {
+    pub(super) fn plan(mut self, text: &str) -> Result<Result<FoundPlan, Unreadable>, Unreadable> {
         let position = |at| Position::of(text, at);
         if let [(_, start), ..] = self.steps[..] {
             let count = self.steps.len();
@@ -193,13 +193,13 @@ impl Survey {
                 "objects of one step each"
             };
             notes.add(LeniencyKind::Notation(name), start);
-            match Found::of_steps(text, steps, start, notes) {
+            match FoundPlan::of_steps(text, steps, start, notes) {
                 Ok(found) => self.add(found),
                 Err(error) => return Ok(Err(error)),
             }
         }
         if let (Some(plan), Some((steps, start))) = (&mut self.plan, self.unsure)
-            && Found::of_steps(text, steps, start, Notes::default()).is_ok_and(|other| !other.has_steps_of(&plan.found))
+            && FoundPlan::of_steps(text, steps, start, Notes::default()).is_ok_and(|other| !other.has_steps_of(&plan.found))
         {
             plan.count += 1;
             plan.other.get_or_insert(start);

@@ -5,13 +5,13 @@ use std::ops::Range;
 use super::objects::no_step;
 use super::stray::begins_with_ellipsis;
 use super::unreadable::Unreadable;
-use super::{Block, Found, around, blocks};
+use super::{Block, FoundPlan, around, blocks};
 use crate::plan::{Node, PlanFile, TaskCohesion, Written, script};
 use longstep_model::diagnostic::Position;
 use longstep_model::literal::{FENCE, LeniencyKind, Notes};
 
 /// Finds the script in a reply; none if the reply contains no script.
-pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
+pub(super) fn find(text: &str) -> Option<Result<FoundPlan, Unreadable>> {
     let blocks: Vec<Block> = blocks(text)
         .filter(|block| is_meant(&text[block.inside.clone()]))
         .collect();
@@ -21,12 +21,12 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
     Some(fenced(text, &blocks))
 }
 
-fn whole(text: &str) -> Result<Found, Unreadable> {
+fn whole(text: &str) -> Result<FoundPlan, Unreadable> {
     let written = part(text, 0..text.len())?;
     Ok(found(written, 0, Notes::default()))
 }
 
-fn fenced(text: &str, blocks: &[Block]) -> Result<Found, Unreadable> {
+fn fenced(text: &str, blocks: &[Block]) -> Result<FoundPlan, Unreadable> {
     let mut notes = Notes::default();
     let mut first: Option<(Written, &Block)> = None;
     let mut read_to = 0;
@@ -71,13 +71,13 @@ fn part(text: &str, inside: Range<usize>) -> Result<Written, Unreadable> {
     script::read_part(text, inside).map_err(|error| Unreadable::Script { inside: None, error })
 }
 
-fn found(written: Written, start: usize, mut notes: Notes) -> Found {
+fn found(written: Written, start: usize, mut notes: Notes) -> FoundPlan {
     let remarks = written.body.iter().any(|node| matches!(node, Node::Remark(_)));
     let task_cohesion = TaskCohesion::from_written(written);
     if remarks && task_cohesion.task_tree.is_none() {
         notes.add(LeniencyKind::Comment, start);
     }
-    Found {
+    FoundPlan {
         file: PlanFile::from(task_cohesion),
         start,
         notes,

@@ -6,7 +6,7 @@
 use super::line::step_of_text;
 use super::shape::{Likeness, likeness};
 use super::unreadable::Unreadable;
-use super::{Found, INNERMOST, find};
+use super::{FoundPlan, INNERMOST, find};
 use crate::plan::WrittenStep;
 use longstep_model::call::{Call, NOTATION};
 use longstep_model::json::Path;
@@ -137,7 +137,7 @@ const NOT_WHOLE: [&str; 5] = [
 ];
 
 /// A part of a value that may be a plan.
-pub(super) enum Candidate<'v> {
+pub(super) enum PlanCandidate<'v> {
     /// An object in the paper's format.
     Plan {
         node: &'v ValueNode,
@@ -156,7 +156,7 @@ pub(super) enum Candidate<'v> {
     Step(WrittenStep),
     /// A text with a plan in some notation, or with the beginning of one.
     Inner {
-        found: Result<Box<Found>, Unreadable>,
+        found: Result<Box<FoundPlan>, Unreadable>,
         at: usize,
         path: Path,
     },
@@ -168,7 +168,7 @@ pub(super) enum Candidate<'v> {
 
 /// Returns the outermost plans and steps of a value, in its order. The value stands `depth` texts deep in the reply; `before` is
 /// the text before it.
-pub(super) fn candidates<'v>(before: &str, node: &'v ValueNode, depth: usize) -> Vec<Candidate<'v>> {
+pub(super) fn candidates<'v>(before: &str, node: &'v ValueNode, depth: usize) -> Vec<PlanCandidate<'v>> {
     let mut search = Search {
         depth,
         found: Vec::new(),
@@ -245,14 +245,14 @@ fn is_arguments(member: &Member) -> bool {
 
 struct Search<'v> {
     depth: usize,
-    found: Vec<Candidate<'v>>,
+    found: Vec<PlanCandidate<'v>>,
 }
 
 impl<'v> Search<'v> {
     /// Searches a value; `listed` is what a list there may be.
     fn value(&mut self, node: &'v ValueNode, path: &Path, listed: Listed) {
         if let Some(likeness) = likeness(node) {
-            self.found.push(Candidate::Plan {
+            self.found.push(PlanCandidate::Plan {
                 node,
                 path: path.clone(),
                 is_part: likeness == Likeness::Part,
@@ -273,8 +273,8 @@ impl<'v> Search<'v> {
             Value::Object(members) => {
                 if let Some(step) = step_of_object(members) {
                     self.found.push(match fault_of_steps(&[node]) {
-                        Some((at, message)) => Candidate::Refused { at, message },
-                        None => Candidate::Step(step),
+                        Some((at, message)) => PlanCandidate::Refused { at, message },
+                        None => PlanCandidate::Step(step),
                     });
                     return;
                 }
@@ -290,7 +290,7 @@ impl<'v> Search<'v> {
                         && END_KEYS.contains(&snake_case(key).as_str())
                         && NOT_WHOLE.contains(&reason.to_lowercase().as_str())
                     {
-                        self.found.push(Candidate::NotWhole {
+                        self.found.push(PlanCandidate::NotWhole {
                             at: node.at,
                             key: key.clone(),
                             reason: reason.clone(),
@@ -307,8 +307,8 @@ impl<'v> Search<'v> {
     /// Adds the steps of a list, which its items are.
     fn steps(&mut self, steps: Vec<WrittenStep>, items: &[&ValueNode], path: &Path, listed: Listed) {
         self.found.push(match fault_of_steps(items) {
-            Some((at, message)) => Candidate::Refused { at, message },
-            None => Candidate::Steps {
+            Some((at, message)) => PlanCandidate::Refused { at, message },
+            None => PlanCandidate::Steps {
                 is_sure: listed != Listed::PerhapsPlan,
                 steps,
                 ignored: ignored_keys(items),
@@ -337,7 +337,7 @@ impl<'v> Search<'v> {
             Err(error) => Err(error),
         };
         let path = path.clone();
-        self.found.push(Candidate::Inner { found, at, path });
+        self.found.push(PlanCandidate::Inner { found, at, path });
     }
 }
 

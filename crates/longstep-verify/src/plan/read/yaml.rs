@@ -8,12 +8,12 @@ use saphyr_parser::{Event, Parser, ScalarStyle};
 
 use super::objects::plan_of_value;
 use super::unreadable::Unreadable;
-use super::{Found, around, blocks};
+use super::{FoundPlan, around, blocks};
 use longstep_model::diagnostic::Position;
 use longstep_model::literal::{DEEPEST, FENCE, LeniencyKind, Literal, Member, Notes, PLAN_KEYS, Value, ValueNode};
 
 /// Finds the plan of a text in YAML, alone or in code blocks; none if nothing there has one.
-pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
+pub(super) fn find(text: &str) -> Option<Result<FoundPlan, Unreadable>> {
     let whole = 0..text.len();
     let parts: Vec<Range<usize>> = if text.contains(FENCE) {
         blocks(text)
@@ -47,7 +47,7 @@ pub(super) fn find(text: &str) -> Option<Result<Found, Unreadable>> {
 }
 
 /// Finds the plan in a part of a text.
-fn plan(text: &str, part: Range<usize>) -> Option<Result<Found, Unreadable>> {
+fn plan(text: &str, part: Range<usize>) -> Option<Result<FoundPlan, Unreadable>> {
     let inside = &text[part.clone()];
     let has_key = |line: &str| {
         let line = line.trim_start_matches(['-', ' ']);

@@ -13,14 +13,14 @@ const DEEPEST_CONDITION: usize = 4 * DEEPEST;
 
 /// The calls of a condition during parsing.
 #[derive(Default)]
-struct Condition {
+struct ParsedCondition {
     calls: Vec<WrittenStep>,
     /// Comments before the first call.
     early: Vec<String>,
     depth: usize,
 }
 
-impl Condition {
+impl ParsedCondition {
     fn say(&mut self, words: String) {
         match self.calls.last_mut() {
             Some(call) => join(&mut call.explanation, &words),
@@ -38,7 +38,7 @@ impl Parser<'_> {
     /// Parses a condition and the block that depends on it.
     pub(super) fn guarded(&mut self, word: &str) -> Result<(Test<WrittenStep>, Vec<WrittenNode>), Fault> {
         let start = self.tokens[self.next - 1].at;
-        let mut condition = Condition::default();
+        let mut condition = ParsedCondition::default();
         let test = self.any(&mut condition)?;
         self.expect(":", &format!("a line with `{word}` ends with a colon"))?;
         self.comments().into_iter().for_each(|words| condition.say(words));
@@ -60,21 +60,21 @@ impl Parser<'_> {
         Ok((test, self.block()?))
     }
 
-    fn any(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
+    fn any(&mut self, condition: &mut ParsedCondition) -> Result<Test<usize>, Fault> {
         let parts = self.parts(condition, "or", Self::all)?;
         Ok(one_or(parts, Test::Any))
     }
 
-    fn all(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
+    fn all(&mut self, condition: &mut ParsedCondition) -> Result<Test<usize>, Fault> {
         let parts = self.parts(condition, "and", Self::part)?;
         Ok(one_or(parts, Test::All))
     }
 
     fn parts(
         &mut self,
-        condition: &mut Condition,
+        condition: &mut ParsedCondition,
         word: &str,
-        read: impl Fn(&mut Self, &mut Condition) -> Result<Test<usize>, Fault>,
+        read: impl Fn(&mut Self, &mut ParsedCondition) -> Result<Test<usize>, Fault>,
     ) -> Result<Vec<Test<usize>>, Fault> {
         let mut parts = vec![read(self, condition)?];
         while self.take_word(word) {
@@ -84,7 +84,7 @@ impl Parser<'_> {
     }
 
     /// Parses a call, a negation, or a condition in parentheses.
-    fn part(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
+    fn part(&mut self, condition: &mut ParsedCondition) -> Result<Test<usize>, Fault> {
         self.comments().into_iter().for_each(|words| condition.say(words));
         if condition.depth == DEEPEST_CONDITION {
             return self.fail(

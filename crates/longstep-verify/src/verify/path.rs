@@ -5,7 +5,7 @@ use longstep_model::model::{Bindings, Number, State};
 
 /// One execution path up to the current node.
 #[derive(Debug, Clone)]
-pub(super) struct Way {
+pub(super) struct ExecutionPath {
     pub(super) state: State,
     pub(super) here: Here,
     /// The `always` rules that are broken in the state, so that each violation is reported where it begins. A function

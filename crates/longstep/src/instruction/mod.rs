@@ -1,7 +1,5 @@
-//! Goals from instructions.
-//!
-//! A [`Goal`] is written as `put(cup, shelf) & closed(door)`. A model writes one ([`understanding`](crate::understanding)), and search
-//! turns it into steps.
+//! The words of an instruction in a world: the entities that it names, its pronouns, ambiguous references, and the goals and
+//! conditions that it may ask for.
 
 mod ambiguous;
 #[cfg(test)]
@@ -13,8 +11,6 @@ mod pronoun;
 mod reference_words;
 #[cfg(test)]
 mod tests;
-
-pub use longstep_core::goal::*;
 
 pub(crate) use dependence::{Dependence, conditions};
 pub use mentions::Mentions;

@@ -21,15 +21,15 @@ pub struct SpelledOut {
 /// Returns none if there is no such pronoun, or if `before` has no or several entities for "it".
 ///
 /// ```
-/// use longstep::{domain, goal};
+/// use longstep::{domain, instruction};
 /// use longstep_core::{json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let environment = environment::Environment::from_json(r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
 /// let pen = world.find("<pen>").unwrap();
-/// let spelled = goal::spelled_out(&world, "Now put it on the desk", &[pen]).unwrap();
+/// let spelled = instruction::spelled_out(&world, "Now put it on the desk", &[pen]).unwrap();
 /// assert_eq!(spelled.text, "Now put the pen on the desk");
-/// assert_eq!(goal::spelled_out(&world, "Take the pen and put it on the desk", &[pen]), None);
+/// assert_eq!(instruction::spelled_out(&world, "Take the pen and put it on the desk", &[pen]), None);
 /// ```
 pub fn spelled_out(world: &World, instruction: &str, before: &[EntityId]) -> Option<SpelledOut> {
     let mut words: Vec<&str> = instruction.split_whitespace().collect();

@@ -1,6 +1,7 @@
 //! Goals, and references that several things fit, as tables.
 
 use super::*;
+use crate::goal::*;
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;

@@ -8,14 +8,14 @@ use longstep_verify::verify::apply;
 
 /// Order in which sensing outcomes are followed.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Order {
+pub(super) enum OutcomeOrder {
     FirstOutcome,
     LastOutcome,
 }
 
 /// One execution path of the draft.
 #[derive(Debug, Default)]
-pub(super) struct Way {
+pub(super) struct ExecutionPath {
     /// The steps with their blocks; none for sensing steps of conditions.
     pub(super) steps: Vec<(usize, Option<usize>)>,
     /// The block in which the path ends.
@@ -30,7 +30,7 @@ pub(super) struct Way {
 
 impl Draft {
     /// Follows the given decisions, then the first outcome of each further one, as if every step were applicable.
-    pub(super) fn way(&self, world: &World, decisions: &[(usize, usize)], order: Order) -> Way {
+    pub(super) fn path(&self, world: &World, decisions: &[(usize, usize)], order: OutcomeOrder) -> ExecutionPath {
         let domain = world.domain();
         let mut follower = Follower {
             draft: self,
@@ -39,17 +39,17 @@ impl Draft {
             state: world.state.clone(),
             given: decisions,
             order,
-            way: Way::default(),
+            path: ExecutionPath::default(),
         };
         follower.block(0);
-        follower.way
+        follower.path
     }
 
     /// Converts the path to a sequential draft, with pins for its fixed steps: steps on settled paths, sensing steps,
     /// and the user's pins.
-    pub(super) fn linear(&self, resolved: &Resolved, way: &Way, pins: &Pins) -> (Resolved, Pins) {
-        let items = || way.steps.iter().map(|(number, _)| &self.items[*number]);
-        let body = (0..way.steps.len())
+    pub(super) fn linear(&self, resolved: &Resolved, path: &ExecutionPath, pins: &Pins) -> (Resolved, Pins) {
+        let items = || path.steps.iter().map(|(number, _)| &self.items[*number]);
+        let body = (0..path.steps.len())
             .map(|index| Node::Step(StepId::new(index)))
             .collect();
         let linear = Resolved {
@@ -59,29 +59,29 @@ impl Draft {
             objects: resolved.objects.clone(),
             ..Resolved::default()
         };
-        let kept = way.steps.iter().enumerate().filter(|(place, (number, _))| {
+        let kept = path.steps.iter().enumerate().filter(|(place, (number, _))| {
             let item = &self.items[*number];
             let pinned = item.drafted().is_some_and(|number| pins.kept.contains(&number));
-            pinned || item.settled || way.outcomes.iter().any(|(sensed, _)| sensed == place)
+            pinned || item.settled || path.outcomes.iter().any(|(sensed, _)| sensed == place)
         });
         let pins = Pins {
             kept: kept.map(|(place, _)| place).collect(),
-            unwanted: pins.unwanted.iter().filter_map(|out| self.on(way, out)).collect(),
+            unwanted: pins.unwanted.iter().filter_map(|out| self.on(path, out)).collect(),
         };
         (linear, pins)
     }
 
     /// Translates a prohibition to a position on the path; none if it concerns a position elsewhere.
-    fn on(&self, way: &Way, unwanted: &Unwanted) -> Option<Unwanted> {
+    fn on(&self, path: &ExecutionPath, unwanted: &Unwanted) -> Option<Unwanted> {
         let place_of = |drafted: usize| {
             let drafted = |(number, _): &(usize, Option<usize>)| self.items[*number].drafted() == Some(drafted);
-            way.steps.iter().position(drafted)
+            path.steps.iter().position(drafted)
         };
         let behind = || place_of(unwanted.before.checked_sub(1)?).map(|place| place + 1);
         let here = place_of(unwanted.before).or_else(behind);
         let before = match unwanted.reach {
             Reach::Here => here?,
-            Reach::ThisStep | Reach::ThisAction => here.unwrap_or(way.steps.len()),
+            Reach::ThisStep | Reach::ThisAction => here.unwrap_or(path.steps.len()),
         };
         Some(Unwanted {
             before,
@@ -97,13 +97,13 @@ struct Follower<'a> {
     world: &'a World,
     state: State,
     given: &'a [(usize, usize)],
-    order: Order,
-    way: Way,
+    order: OutcomeOrder,
+    path: ExecutionPath,
 }
 
 impl Follower<'_> {
     fn block(&mut self, block: usize) {
-        self.way.last = block;
+        self.path.last = block;
         for part in &self.draft.blocks[block] {
             match part {
                 Part::Step(number) => {
@@ -115,19 +115,19 @@ impl Follower<'_> {
                 }
                 // One iteration suffices to find the errors in the body.
                 Part::While(test, body) => {
-                    let before = self.way.outcomes.len();
+                    let before = self.path.outcomes.len();
                     let goes_on = self.test(test);
-                    let outcomes = self.way.outcomes[before..].iter().map(|(_, fact)| *fact);
-                    self.way.looped.extend(outcomes);
+                    let outcomes = self.path.outcomes[before..].iter().map(|(_, fact)| *fact);
+                    self.path.looped.extend(outcomes);
                     if goes_on {
                         self.block(*body);
-                        self.way.last = block;
+                        self.path.last = block;
                     }
                 }
                 Part::Repeat(times, body) => {
                     if *times > 0 {
                         self.block(*body);
-                        self.way.last = block;
+                        self.path.last = block;
                     }
                 }
                 Part::Remark(_) => {}
@@ -139,7 +139,7 @@ impl Follower<'_> {
     fn step(&mut self, number: usize, block: Option<usize>) -> Option<usize> {
         let item = &self.draft.items[number];
         let (action, arguments) = (self.domain.action(item.step.action), &item.bound);
-        self.way.steps.push((number, block));
+        self.path.steps.push((number, block));
         apply(self.world, &mut self.state, action, arguments);
         let outcomes: Vec<Fact> = action
             .senses
@@ -153,17 +153,17 @@ impl Follower<'_> {
         let known = outcomes.iter().position(|fact| self.state.holds(*fact));
         let taken = known.unwrap_or_else(|| self.decide(outcomes.len()));
         self.state.set(outcomes[taken], true);
-        self.way.outcomes.push((self.way.steps.len() - 1, outcomes[taken]));
+        self.path.outcomes.push((self.path.steps.len() - 1, outcomes[taken]));
         Some(taken)
     }
 
     fn decide(&mut self, of: usize) -> usize {
-        let given = self.given.get(self.way.decisions.len());
+        let given = self.given.get(self.path.decisions.len());
         let taken = given.map_or(0, |(taken, _)| *taken);
-        self.way.decisions.push((taken, of));
+        self.path.decisions.push((taken, of));
         match self.order {
-            Order::FirstOutcome => taken,
-            Order::LastOutcome => of - 1 - taken,
+            OutcomeOrder::FirstOutcome => taken,
+            OutcomeOrder::LastOutcome => of - 1 - taken,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Goals that depend on sensing: notation, parsing, grammar and interpretation.
 
 use super::*;
+use crate::goal::*;
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;

@@ -1,7 +1,8 @@
 //! Questions about references that several entities fit.
 
 use super::mentions::said_length;
-use super::{Constraint, Goal, GoalFact, Mentions, reference_words};
+use super::{Mentions, reference_words};
+use crate::goal::{Constraint, Goal, GoalFact};
 use crate::environment::{Distinctions, EntityId, Fact, Moment, World, holds};
 use crate::model::{TypeId, head, label, plain_words, singular};
 

@@ -60,7 +60,7 @@ mod tests {
             let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
             let found = conditions(&world);
             let shown = found.iter().map(|depends| {
-                let text = super::super::GoalFact::Plain(depends.fact).everyday(&world);
+                let text = crate::goal::GoalFact::Plain(depends.fact).everyday(&world);
                 if depends.negated { format!("not {text}") } else { text }
             });
             assert_eq!(shown.collect::<Vec<_>>().join(" "), expected, "{}", domain.name);

@@ -10,8 +10,8 @@ use longstep_model::model::{
 };
 
 /// The stages of a purpose, prepared for simulation.
-pub(super) struct Order<'a> {
-    stages: Vec<Vec<Condition<'a>>>,
+pub(super) struct StageTracker<'a> {
+    stages: Vec<Vec<StageCondition<'a>>>,
     /// The events that conditions of stages after the first one refer to.
     events: Vec<PredicateId>,
     /// Number of predicates of the domain; higher numbers are progress.
@@ -22,7 +22,7 @@ pub(super) struct Order<'a> {
 type Certain<'a> = &'a mut dyn FnMut(Moment<'_>, &Wanted, bool) -> bool;
 
 /// A condition of a stage.
-struct Condition<'a> {
+struct StageCondition<'a> {
     wanted: &'a Wanted,
     /// The fact that it was achieved in order.
     done: Fact,
@@ -30,7 +30,7 @@ struct Condition<'a> {
     open: Option<Fact>,
 }
 
-impl<'a> Order<'a> {
+impl<'a> StageTracker<'a> {
     pub(super) fn new(world: &World, purpose: &'a Purpose) -> Self {
         let domain = world.domain();
         let later = purpose.stages.iter().skip(1).flatten();
@@ -44,7 +44,7 @@ impl<'a> Order<'a> {
         let mut milestones = 0;
         let mut condition = |milestone: &'a Milestone| {
             milestones += 1;
-            Condition {
+            StageCondition {
                 wanted: &milestone.wanted,
                 done: flag(2 * milestones),
                 open: milestone.anew.then(|| flag(2 * milestones + 1)),
@@ -232,7 +232,7 @@ impl Progress {
         if purpose.stages.is_empty() {
             return open;
         }
-        let order = Order::new(world, purpose);
+        let order = StageTracker::new(world, purpose);
         let mut state = self.added(state);
         order.advance_where(world, &mut state, &mut |moment, wanted, holds| {
             let mut bindings = wanted.bindings.clone();
@@ -264,7 +264,7 @@ impl Progress {
         if purpose.stages.is_empty() {
             return;
         }
-        let order = Order::new(world, purpose);
+        let order = StageTracker::new(world, purpose);
         let (before, mut after) = (self.added(before), self.added(after));
         order.step(world, &before, action, &mut arguments.to_vec(), &mut after);
         self.0 = after.iter_from(order.predicates).collect();
@@ -283,9 +283,9 @@ impl Progress {
     /// Behind the first stage, an empty stage begins them, so that events count from now on: a condition on several
     /// events of which one has happened is achieved anew.
     pub fn remaining(&self, world: &World, purpose: &Purpose) -> Vec<Vec<Milestone>> {
-        let order = Order::new(world, purpose);
+        let order = StageTracker::new(world, purpose);
         let is = |fact: &Fact| self.0.binary_search(fact).is_ok();
-        let is_complete = |stage: &Vec<Condition<'_>>| stage.iter().all(|condition| is(&condition.done));
+        let is_complete = |stage: &Vec<StageCondition<'_>>| stage.iter().all(|condition| is(&condition.done));
         let Some(current) = order.stages.iter().position(|stage| !is_complete(stage)) else {
             return Vec::new();
         };
