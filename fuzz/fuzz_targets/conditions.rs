@@ -42,13 +42,7 @@ static GREENHOUSE: LazyLock<(Files, Environment)> = LazyLock::new(|| {
 /// Units of work for one input.
 const UNITS: u64 = effort::OPERATION / 400;
 
-const SMALL: Limits = Limits {
-    direct: 200,
-    proof: 50,
-    shortest: 100,
-    any: 200,
-    effort: Effort::NORMAL,
-};
+const SMALL: Limits = Limits::default().with_direct(200).with_proof(50).with_shortest(100).with_any(200).with_effort(Effort::NORMAL);
 
 fuzz_target!(|condition: &str| {
     as_goal(condition);

@@ -4,6 +4,7 @@
 use std::sync::{Arc, LazyLock};
 
 use libfuzzer_sys::fuzz_target;
+use longstep::Clock;
 use longstep::domain::{self, Domain};
 use longstep_core::effort;
 use longstep::dialogue::EstimatedTokens;
@@ -30,22 +31,19 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn take_up(log: &Log) {
-    match replay(CHECKS.clone(), log, || 0.0) {
+    match replay(CHECKS.clone(), log) {
         Ok(replay) => assert!(replay.instructions <= log.entries.len()),
         Err(error) => drop(error.to_string()),
     }
-    let mut resumed = match Session::resume(CHECKS.clone(), log, || 0.0) {
+    let mut resumed = match Session::resume(CHECKS.clone(), log, Clock::none()) {
         Ok(resumed) => resumed.session,
         Err(error) => return drop(error.to_string()),
     };
     let added = resumed.take_events();
-    let entry = |event: Event| Entry {
-        at: String::new(),
-        event,
-    };
+    let entry = |event: Event| Entry::new(String::new(), event);
     let mut longer = log.clone();
     longer.entries.extend(added.into_iter().map(entry));
-    let spent = effort::within(u64::MAX, || Session::resume(CHECKS.clone(), &longer, || 0.0));
+    let spent = effort::within(u64::MAX, || Session::resume(CHECKS.clone(), &longer, Clock::none()));
     if spent.exhausted {
         return;
     }

@@ -61,12 +61,7 @@ fn opened(
     options.timeout = arguments.timeout;
     options.silence = arguments.silence;
     options.stop = interrupted().clone();
-    options.sampling = Sampling {
-        temperature: arguments.temperature,
-        top_p: arguments.top_p,
-        seed: arguments.seed,
-        reasoning: arguments.reasoning,
-    };
+    options.sampling = Sampling::default().with_temperature(arguments.temperature).with_top_p(arguments.top_p).with_seed(arguments.seed).with_reasoning(arguments.reasoning);
     open(&reference, &options, progress)
 }
 

@@ -16,7 +16,7 @@ use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance};
 
 use crate::arguments::{ChatArguments, ModelArguments, domain_or_default};
 use crate::ask::{self, Waiting};
-use crate::clock::stopwatch;
+use crate::clock::clock;
 use crate::exit_code::WRONG_ARGUMENTS;
 use crate::failure::{self, Failure};
 use crate::{inputs, output, plan, show};
@@ -98,10 +98,7 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
     let named = domain_or_default(arguments.domain.as_ref());
     let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
     let world = inputs::world(&domain, env, arguments.rules.as_deref())?;
-    let settings = Settings {
-        accept: arguments.yes,
-        ..arguments.strategy.settings()
-    };
+    let settings = arguments.strategy.settings().with_accept(arguments.yes);
     let name = arguments.model.name();
     let model = ask::model(name, &arguments.model)?;
     let folder = match &arguments.session {
@@ -111,7 +108,7 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
     let facts = model.facts();
     let origin = domain.origin.clone();
     let mut chat = Chat {
-        session: Session::new(&origin, domain, world, settings, facts, stopwatch),
+        session: Session::new(&origin, domain, world, settings, facts, clock()),
         folder,
         model: Some(model),
         model_name: name.to_owned(),
@@ -147,7 +144,7 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
         return Err(Failure::unreadable("the session has not begun").into());
     };
     let domain = inputs::domain_with_prompt(domain, arguments.strategy.prompt.as_deref())?;
-    let resumed = Session::resume(domain, &log, stopwatch)?;
+    let resumed = Session::resume(domain, &log, clock())?;
     if log.torn > 0 {
         screen::notice("The last line of the session's log was incomplete and is dropped");
     }
@@ -157,12 +154,7 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
     let mut session = resumed.session;
     folder.mend(&session)?;
     let chosen = arguments.strategy.settings();
-    let settings = Settings {
-        accept: arguments.yes,
-        partial: chosen.partial,
-        effort: arguments.strategy.effort.or(session.settings().effort),
-        ..session.settings()
-    };
+    let settings = session.settings().with_accept(arguments.yes).with_partial(chosen.partial).with_effort(arguments.strategy.effort.or(session.settings().effort));
     if settings != session.settings() {
         session.set_settings(settings);
     }

@@ -1,7 +1,8 @@
 //! Durations.
 
-use std::sync::OnceLock;
 use std::time::Instant;
+
+use longstep::Clock;
 
 /// Milliseconds since `since`.
 pub(crate) fn milliseconds(since: Instant) -> f64 {
@@ -9,8 +10,8 @@ pub(crate) fn milliseconds(since: Instant) -> f64 {
     (since.elapsed().as_secs_f64() * 1_000_000.0).round() / 1000.0
 }
 
-/// Milliseconds since the first call.
-pub(crate) fn stopwatch() -> f64 {
-    static START: OnceLock<Instant> = OnceLock::new();
-    milliseconds(*START.get_or_init(Instant::now))
+/// Returns a clock that begins now.
+pub(crate) fn clock() -> Clock {
+    let began = Instant::now();
+    Clock::new(move || began.elapsed())
 }

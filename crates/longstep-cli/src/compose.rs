@@ -1,6 +1,7 @@
 //! `longstep compose`: combines stored plans into one plan.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::Result;
 use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, CompositionInput, Stored};
@@ -12,14 +13,14 @@ use longstep_llm::{converse, load_domain};
 
 use crate::arguments::{ComposeArguments, domain_or_default};
 use crate::ask::{self, Waiting};
-use crate::clock::stopwatch;
+use crate::clock::milliseconds;
 use crate::failure::{Failure, UNREADABLE};
 use crate::plan::checked_instruction;
 use crate::solve::finish;
 use crate::{inputs, output, show};
 
 pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
-    let started = stopwatch();
+    let started = Instant::now();
     let domain = load_domain(domain_or_default(arguments.world.domain.as_ref()))?;
     let world = inputs::world(&domain, arguments.world.env()?, arguments.world.rules.as_deref())?;
     let stored = stored(&arguments.plans)?;
@@ -31,7 +32,8 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
         Some(path) => written(path)?,
         None => request_composition(arguments, &world, &stored, wish.unwrap_or_default())?,
     };
-    let received = stopwatch();
+    let model = milliseconds(started);
+    let received = Instant::now();
     let summary = match wish {
         Some(wish) => wish.to_owned(),
         None => summary(&composition, &stored),
@@ -51,11 +53,11 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
         },
     };
     answer.usage = composition.usage.into();
-    answer.timings_ms.verify = stopwatch() - received;
+    answer.timings_ms.verify = milliseconds(received);
     if arguments.script.is_none() {
-        answer.timings_ms.model = received - started;
+        answer.timings_ms.model = model;
     }
-    answer.timings_ms.total = stopwatch() - started;
+    answer.timings_ms.total = milliseconds(started);
     if !arguments.json && answer.status != Status::Question {
         show::heading("Composition");
         output::quotation(composition.text.trim());

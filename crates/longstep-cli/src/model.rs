@@ -38,10 +38,7 @@ pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
         }
         ModelCommand::Pull { name, from } => {
             let entry = find(name)?;
-            let options = PullOptions {
-                from: from.clone(),
-                ..PullOptions::from_environment()
-            };
+            let options = PullOptions::from_environment().with_from(from.clone());
             let bar = Download::new(entry.bytes);
             let path = store::pull(entry, &cache, &options, &mut |progress| bar.show(&progress))?;
             drop(bar);

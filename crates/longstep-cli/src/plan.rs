@@ -1,5 +1,7 @@
 //! `longstep plan`: from an instruction to a verified plan.
 
+use std::time::Instant;
+
 use anyhow::Result;
 use longstep::dialogue::{self, Prepared};
 use longstep::report::{Answer, Status};
@@ -8,7 +10,8 @@ use longstep_llm::advance;
 
 use crate::arguments::{PlanArguments, domain_or_default};
 use crate::ask::{self, Waiting};
-use crate::clock::stopwatch;
+use crate::clock::{clock, milliseconds};
+use crate::exit_code;
 use crate::failure::{Failure, LIMIT, MODEL};
 use crate::{exit_code, explain, inputs, lanes, output, solve};
 
@@ -16,17 +19,17 @@ use crate::{exit_code, explain, inputs, lanes, output, solve};
 const INSTRUCTION_LIMIT: usize = 2000;
 
 pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
-    let started = stopwatch();
+    let started = Instant::now();
     let instruction = checked_instruction(&arguments.instruction)?;
     let named = domain_or_default(arguments.world.domain.as_ref());
     let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
     let world = inputs::world(&domain, arguments.world.env()?, arguments.world.rules.as_deref())?;
-    let opening = stopwatch();
+    let opening = Instant::now();
     let mut model = ask::model(arguments.model.name(), &arguments.model)?;
-    let opened = stopwatch() - opening;
+    let opened = milliseconds(opening);
     let facts = model.facts();
     let settings = arguments.strategy.settings();
-    let mut session = Session::new(named, domain, world, settings, facts, stopwatch);
+    let mut session = Session::new(named, domain, world, settings, facts, clock());
     // A new session waits for an instruction.
     session.instruct(instruction)?;
     if arguments.explain_prompt {
@@ -70,10 +73,10 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
         Response::NoPlan(failure) => (unhappy(failure)?, Vec::new()),
         Response::Question(question) => {
             let mut answer = Answer::without_plan(Status::Question, session.world(), instruction, question);
-            let (usage, milliseconds) = session.cost();
+            let (usage, model_milliseconds) = session.cost();
             answer.usage = usage.into();
             answer.readings = session.readings().to_vec();
-            answer.timings_ms.model = milliseconds;
+            answer.timings_ms.model = model_milliseconds;
             (answer, Vec::new())
         }
         // After an instruction no other response is possible.
@@ -81,7 +84,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     };
     answer.forecast = forecast;
     answer.timings_ms.model += opened;
-    answer.timings_ms.total = stopwatch() - started;
+    answer.timings_ms.total = milliseconds(started);
     if arguments.explain && !arguments.json {
         explain::readings(&answer.readings);
         output::blank();

@@ -10,7 +10,8 @@ use longstep_core::verify::Purpose;
 use longstep_files::read_text;
 
 use crate::arguments::SolveArguments;
-use crate::clock::{milliseconds, stopwatch};
+use crate::clock::{clock, milliseconds};
+use crate::exit_code;
 use crate::output::print_line;
 use crate::{exit_code, inputs, show};
 
@@ -24,7 +25,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
         None,
         &problem.name,
         &longstep::Limits::from(arguments.effort),
-        stopwatch,
+        &clock(),
     )
     .answer;
     answer.notes.extend(problem.notes.iter().map(ToString::to_string));

@@ -65,10 +65,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
         Some(path) => path.clone(),
         None => new_log(&runs_folder()?, &name_for(arguments, what))?,
     };
-    let header = RunHeader {
-        dry_run: opened.is_dry,
-        ..RunHeader::new(named, domain_or_default(arguments.domain.as_ref()))
-    };
+    let header = RunHeader::new(named, domain_or_default(arguments.domain.as_ref())).with_dry_run(opened.is_dry);
     let log = RunLog::create(&path, &header)
         .map_err(|error| Failure::unreadable(error.to_string()).hint("name a new file with `--log RUN.jsonl`"))?;
     if !not_in_plan.is_empty() {
@@ -88,10 +85,7 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
         );
     }
     let domain = load_domain(&header.domain)?;
-    let resumed = Resumed {
-        approval: arguments.execution.approve.map(Approval::from),
-        trust: arguments.execution.trust.map(Trust::from),
-    };
+    let resumed = Resumed::default().with_approval(arguments.execution.approve.map(Approval::from)).with_trust(arguments.execution.trust.map(Trust::from));
     let execution = Execution::resume(&domain, &events, resumed);
     let execution = execution.map_err(|error| Failure::unreadable(error.to_string()))?;
     let named = arguments.robot.as_ref().unwrap_or(&header.robot);

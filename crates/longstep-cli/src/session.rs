@@ -9,8 +9,8 @@ use longstep_llm::{LOG, SessionFolder, load_domain};
 use serde_json::Value;
 
 use crate::arguments::SessionCommand;
-use crate::clock::stopwatch;
-use crate::output::{self, Style, counted, print_line};
+use crate::output;
+use crate::output::{Style, counted, print_line};
 
 /// Limit for an instruction in a table, in characters.
 const SHOWN: usize = 60;
@@ -187,7 +187,7 @@ fn replayed(folder: &Path) -> Result<u8> {
         // A log always begins with this event.
         _ => return Ok(crate::failure::UNREADABLE),
     };
-    let outcome = replay(domain, &log, stopwatch)?;
+    let outcome = replay(domain, &log)?;
     for difference in &outcome.differing {
         print_line!("{}", format!("line {}", difference.line).bold());
         for part in parts(difference.recorded.as_ref(), difference.today.as_ref()) {

@@ -12,7 +12,8 @@ use longstep_core::pddl::{self, WriteError};
 use longstep_llm::load_domain;
 
 use crate::arguments::{SolveArguments, domain_or_default, required};
-use crate::clock::{milliseconds, stopwatch};
+use crate::clock::{clock, milliseconds};
+use crate::exit_code;
 use crate::failure::Failure;
 use crate::output::{self, Line, print_line, remark};
 use crate::{exit_code, inputs, lanes, problem, show};
@@ -59,7 +60,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         &goal,
         text,
         &longstep::Limits::from(arguments.effort),
-        stopwatch,
+        &clock(),
     );
     let shown = match plan.filter(|_| arguments.parallel) {
         Some(plan) => lanes::side_by_side(&world, &plan, &goal.purpose(&world), &mut answer),

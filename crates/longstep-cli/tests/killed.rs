@@ -13,6 +13,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use common::{Answer, PANTRY, Server, edits, goals, longstep, run};
+use longstep::Clock;
 use longstep::domain;
 use longstep::session::{Event, Log, Session};
 use longstep_llm::SessionFolder;
@@ -371,7 +372,7 @@ fn session_resumes_from_a_log_cut_off_anywhere() {
         match SessionFolder::open(&cut_folder) {
             Ok((folder, read)) => {
                 let household = domain::shipped("household").unwrap().unwrap();
-                let resumed = Session::resume(household, &read, || 0.0).unwrap();
+                let resumed = Session::resume(household, &read, Clock::none()).unwrap();
                 folder.mend(&resumed.session).unwrap();
                 assert_eq!(files(&cut_folder), standing(&read), "cut at {cut}");
                 let whole = log[..cut]

@@ -8,9 +8,11 @@
 //! - `longstep-search`: [`goal`], [`search`], [`repair`], [`schedule`], [`pddl`].
 //!
 //! Its own module is [`execution`]: a plan that a robot carries out, monitored and mended. A program that only verifies
-//! plans depends on `longstep-verify`.
+//! plans depends on `longstep-verify`. The feature `testing` adds worlds and plans for tests, the module `testing`.
 
 pub use longstep_model::{call, diagnostic, domain, effort, environment, geometry, json, model, secret, visible};
+#[cfg(feature = "testing")]
+pub use longstep_search::testing;
 pub use longstep_search::{goal, pddl, repair, schedule, search};
 pub use longstep_verify::{cursor, message, plan, skill, verify};
 

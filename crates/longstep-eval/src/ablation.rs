@@ -18,6 +18,7 @@ pub struct Changes {
 
 /// Reason why a change is not possible.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum AblationError {
     /// No action has this name.
     #[error("no action of the domain is called `{0}`")]

@@ -24,6 +24,7 @@ pub struct Key {
 
 /// The result of an instruction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Attempt {
     /// Its key.
     #[serde(flatten)]
@@ -158,6 +159,7 @@ impl From<Status> for Outcome {
 
 /// An edit of repair.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Edit {
     /// `insert`, `drop`, `replace` or `move`.
     pub kind: String,
@@ -185,6 +187,7 @@ impl From<&EditAnswer> for Edit {
 
 /// A line of a plan.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct PlanLine {
     /// The step of the line, from 0; `None` for the head of a branch or loop.
     pub step: Option<usize>,
@@ -200,6 +203,7 @@ pub struct PlanLine {
 
 /// Duration and cache use of an attempt.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Timing {
     /// The key of the attempt.
     #[serde(flatten)]

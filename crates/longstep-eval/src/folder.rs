@@ -111,6 +111,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
 
 /// The results of a run so far.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Results {
     /// The description of the run.
     pub plan: Plan,
@@ -122,6 +123,7 @@ pub struct Results {
 
 /// Reason why a run's folder cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FolderError {
     /// A file cannot be read or written.
     #[error("cannot {what} {}: {error}", .path.display())]

@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 
+use longstep::Clock;
 use longstep::goal::Goal;
 use longstep::report;
 use longstep_core::domain::Domain;
@@ -67,7 +68,7 @@ impl<'a> Standard<'a> {
     }
 
     fn reference_for<'s>(&self, expected: &'s ExpectedPlan<'a>) -> Option<&'s VerifiedPlan> {
-        let search = || report::of_goal(self.world, expected.goal, "", &longstep::Limits::default(), || 0.0).plan;
+        let search = || report::of_goal(self.world, expected.goal, "", &longstep::Limits::default(), &Clock::none()).plan;
         expected.reference.get_or_init(search).as_ref()
     }
 

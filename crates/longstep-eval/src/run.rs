@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use longstep::Clock;
 use longstep::domain::Domain;
 use longstep::goal::Goal;
 use longstep::session::{Event, Proposal, Session, Settings, Strategy};
@@ -53,7 +54,7 @@ pub fn run(
             world,
             settings,
             facts.clone(),
-            || 0.0,
+            Clock::none(),
         )
     };
     let mut session = begin(suite.world(unit.case));

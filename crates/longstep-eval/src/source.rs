@@ -60,6 +60,7 @@ pub struct Recorded {
 
 /// Reason why recorded replies cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecordedError {
     /// The text is not a list of replies.
     #[error("not a list of recorded replies: {0}")]

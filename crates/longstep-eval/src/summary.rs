@@ -13,6 +13,7 @@ use crate::rate::Rate;
 
 /// The measures of some attempts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Summary {
     /// Attempts with the expected result.
     pub correct: Rate,
@@ -44,6 +45,7 @@ pub struct Summary {
 
 /// The cost of attempts: medians, except for totals.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[non_exhaustive]
 pub struct Cost {
     /// Total number of model calls.
     pub calls: u64,

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use longstep::{World, goal, report};
+use longstep::{Clock, World, goal, report};
 use longstep_eval::suite::{self, Files, Suite};
 
 const DOMAINS: [&str; 6] = [
@@ -65,7 +65,7 @@ fn a_goal_waives_rules_for_its_subject_alone() {
     let world = load("care").scenes.remove("ward").unwrap();
     let solved = |world: &World, goal: &str| {
         let goal = goal::parse(world, goal).unwrap();
-        let solution = report::of_goal(world, &goal, "", &longstep::Limits::default(), || 0.0);
+        let solution = report::of_goal(world, &goal, "", &longstep::Limits::default(), &Clock::none());
         solution.plan.unwrap()
     };
     let plan = solved(
@@ -98,7 +98,7 @@ fn every_expected_goal_is_solved_and_verified() {
             let world = suite.judged_world(case);
             for step in &case.steps {
                 for goal in step.expected.goals() {
-                    let solution = report::of_goal(&world, goal, &step.says, &longstep::Limits::default(), || 0.0);
+                    let solution = report::of_goal(&world, goal, &step.says, &longstep::Limits::default(), &Clock::none());
                     match solution.plan {
                         // A goal that holds already would show nothing.
                         Some(plan) if !plan.steps().is_empty() => solved += 1,

@@ -70,10 +70,7 @@ fn plan(trials: u32) -> Plan {
         model: "recorded replies".to_owned(),
         model_sha256: None,
         server: None,
-        settings: Settings {
-            strategy: Strategy::Goal,
-            ..Settings::default()
-        },
+        settings: Settings::default().with_strategy(Strategy::Goal),
         adapters: "catalogue".to_owned(),
         temperature: 0.0,
         top_p: None,

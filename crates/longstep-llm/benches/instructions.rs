@@ -25,6 +25,7 @@ use longstep_core::environment::{self, Environment, World, differences};
 use longstep_core::json::Path;
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_core::verify::{self, Report};
+use longstep_core::testing;
 use longstep_files::cache_directory;
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, catalogue, converse, open};
 use serde_json::Value;
@@ -32,11 +33,6 @@ use serde_json::Value;
 fn read(file: &str) -> Value {
     let folder = std::env::var_os("LONGSTEP_CORPUS").expect("set LONGSTEP_CORPUS to the folder of the recordings");
     serde_json::from_str(&std::fs::read_to_string(PathBuf::from(folder).join(file)).unwrap()).unwrap()
-}
-
-fn world_of(domain: &Domain, environment: &Value) -> World {
-    let environment = Environment::from_json(&environment.to_string()).unwrap();
-    environment::read(domain, &environment, "environment", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The result of an instruction.
@@ -125,7 +121,7 @@ fn household(model: &mut dyn ChatModel) {
     let mut tally = Tally::default();
     for scene in ["drawer", "fridge", "shelf", "table", "window"] {
         for step in read(&format!("household/{scene}.json"))["steps"].as_array().unwrap() {
-            let world = world_of(&domain, &step["recorded"]["environment_before"]);
+            let world = testing::world_of(&domain, &step["recorded"]["environment_before"]);
             let instruction = step["instruction"].as_str().unwrap();
             let made = plan(model, &domain, &world, instruction);
             let right = made.report.as_ref().is_some_and(|report| {
@@ -170,13 +166,13 @@ fn reached(world: &World, report: &Report, fact: &str, any_plate: bool) -> bool 
 
 fn kitchen(model: &mut dyn ChatModel, shared: bool) {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
-    let kitchen = world_of(&domain, &read("virtualhome14/kitchen.json"));
+    let kitchen = testing::world_of(&domain, &read("virtualhome14/kitchen.json"));
     let mut tally = Tally::default();
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
         let world = if shared {
             kitchen.clone()
         } else {
-            world_of(&domain, &scenario["environment"])
+            testing::world_of(&domain, &scenario["environment"])
         };
         for key in ["instruction", "instruction_goal_level"] {
             let instruction = scenario[key].as_str().unwrap();

@@ -20,6 +20,7 @@ use std::collections::HashMap;
 use std::error::Error;
 use std::io::Write;
 
+use longstep::Clock;
 use longstep::domain::Domain;
 use longstep::report::Assessment;
 use longstep::{goal, report};
@@ -99,7 +100,7 @@ fn verify(world: &World, text: &str) -> Anyhow<Value> {
 
 fn solve(world: &World, text: &str) -> Anyhow<Value> {
     let goal = goal::parse(world, text)?;
-    let solution = report::of_goal(world, &goal, text, &longstep::Limits::default(), || 0.0);
+    let solution = report::of_goal(world, &goal, text, &longstep::Limits::default(), &Clock::none());
     let mut answer = serde_json::to_value(solution.answer)?;
     answer["stages"] = stages(&goal.purpose(world));
     let name = |entity: &EntityId| world.entity(*entity).identifier.clone();

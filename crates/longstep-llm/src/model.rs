@@ -31,11 +31,7 @@ pub trait ChatModel: TokenCounter {
 
     /// The facts about the model that a session depends on.
     fn facts(&self) -> ModelFacts {
-        ModelFacts {
-            name: self.name().to_owned(),
-            kind: self.constraint_kind(),
-            context: self.context_tokens(),
-        }
+        ModelFacts::new(self.name(), self.constraint_kind()).with_context(self.context_tokens())
     }
 }
 
@@ -118,7 +114,14 @@ impl PartialEq for StopFlag {
 }
 
 /// Options for opening a model.
+///
+/// ```
+/// use longstep_llm::{OpenOptions, Sampling};
+/// let options = OpenOptions::new("cache".into()).with_threads(2).with_sampling(Sampling::default().with_seed(7));
+/// assert_eq!((options.threads, options.sampling.seed), (Some(2), Some(7)));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct OpenOptions {
     /// Threads of the embedded engine; `None` takes the machine's physical cores.
     pub threads: Option<usize>,
@@ -165,6 +168,72 @@ impl OpenOptions {
             record: None,
         }
     }
+
+    /// Sets the threads of the embedded engine; `None` takes the machine's physical cores.
+    #[must_use]
+    pub fn with_threads(self, threads: impl Into<Option<usize>>) -> Self {
+        Self {
+            threads: threads.into(),
+            ..self
+        }
+    }
+
+    /// Sets the tokens of prompt and answer together; `None` takes the default.
+    #[must_use]
+    pub fn with_context_tokens(self, context_tokens: impl Into<Option<u32>>) -> Self {
+        Self {
+            context_tokens: context_tokens.into(),
+            ..self
+        }
+    }
+
+    /// Sets the projector file of an embedded model.
+    #[must_use]
+    pub fn with_vision(self, vision: impl Into<Option<PathBuf>>) -> Self {
+        Self {
+            vision: vision.into(),
+            ..self
+        }
+    }
+
+    /// Sets the adapters of an embedded model.
+    #[must_use]
+    pub fn with_adapters(self, adapters: AdapterChoice) -> Self {
+        Self { adapters, ..self }
+    }
+
+    /// Sets the sampling of the next token.
+    #[must_use]
+    pub fn with_sampling(self, sampling: Sampling) -> Self {
+        Self { sampling, ..self }
+    }
+
+    /// Sets the longest time in which a server may send nothing.
+    #[must_use]
+    pub fn with_silence(self, silence: Duration) -> Self {
+        Self { silence, ..self }
+    }
+
+    /// Sets the time limit for one call to a server, including all retries.
+    #[must_use]
+    pub fn with_timeout(self, timeout: Duration) -> Self {
+        Self { timeout, ..self }
+    }
+
+    /// Sets the flag that cancels all traffic with a server.
+    #[must_use]
+    pub fn with_stop(self, stop: StopFlag) -> Self {
+        Self { stop, ..self }
+    }
+
+    /// Sets the file to which every request and reply is appended.
+    #[must_use]
+    pub fn with_record(self, record: impl Into<Option<PathBuf>>) -> Self {
+        Self {
+            record: record.into(),
+            ..self
+        }
+    }
 }
 
 /// The adapters of an embedded model: small additions to its weights (LoRA), each for one [task](longstep::dialogue::Task). All
@@ -183,6 +252,7 @@ pub enum AdapterChoice {
 /// Sampling of the next token among the allowed ones. A parameter that a server rejects is omitted, with a
 /// [`Progress::Warning`].
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Sampling {
     /// 0 (the default) takes the most likely token. 1 samples with the model's probabilities; higher values make them
     /// more even. The embedded engine treats a negative value or NaN as 0.
@@ -193,4 +263,39 @@ pub struct Sampling {
     pub seed: Option<u64>,
     /// Limit of the reasoning of a model on a server; `None` leaves it to the server. An embedded model does not reason.
     pub reasoning: Option<Reasoning>,
+}
+
+impl Sampling {
+    /// Sets the temperature.
+    #[must_use]
+    pub fn with_temperature(self, temperature: f64) -> Self {
+        Self { temperature, ..self }
+    }
+
+    /// Sets the total probability of nucleus sampling.
+    #[must_use]
+    pub fn with_top_p(self, top_p: impl Into<Option<f64>>) -> Self {
+        Self {
+            top_p: top_p.into(),
+            ..self
+        }
+    }
+
+    /// Sets the seed.
+    #[must_use]
+    pub fn with_seed(self, seed: impl Into<Option<u64>>) -> Self {
+        Self {
+            seed: seed.into(),
+            ..self
+        }
+    }
+
+    /// Sets the limit of the reasoning of a model on a server.
+    #[must_use]
+    pub fn with_reasoning(self, reasoning: impl Into<Option<Reasoning>>) -> Self {
+        Self {
+            reasoning: reasoning.into(),
+            ..self
+        }
+    }
 }

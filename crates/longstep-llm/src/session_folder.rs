@@ -197,7 +197,7 @@ impl SessionFolder {
             if let Event::Accept { number, .. } | Event::Undo { number } = &event {
                 numbers.push(*number);
             }
-            text.push_str(&Entry { at: at.clone(), event }.line());
+            text.push_str(&Entry::new(at.clone(), event).line());
         }
         self.append(text.as_bytes(), through)?;
         numbers.into_iter().try_for_each(|number| self.plan(session, number))

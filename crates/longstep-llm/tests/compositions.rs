@@ -15,14 +15,14 @@ use longstep::domain;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json;
 use longstep_core::plan::{Node, PlanFile, Written, script};
+use longstep_core::testing;
 use longstep_llm::{ConverseError, Progress, converse};
 use serde_json::{Value, json};
 
 fn scene(scene: &Value) -> (World, Vec<Stored>) {
     let domain = domain::shipped(scene["domain"].as_str().unwrap()).unwrap().unwrap();
     let text = scene["environment"].to_string();
-    let environment = Environment::from_json(&text).unwrap();
-    let world = environment::read(&domain, &environment, "environment", &text, &json::Path::default()).unwrap();
+    let world = testing::world_of(&domain, &text);
     let stored = scene["plans"].as_object().unwrap().iter().map(|(name, plan)| {
         let column = |column: usize| -> Vec<&Value> {
             plan["steps"].as_array().unwrap().iter().map(|step| &step[column]).collect()

@@ -17,6 +17,7 @@ use longstep_core::json;
 use longstep_core::plan::{Plan, PlanFile, TaskCohesion, resolve};
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_core::verify::{Purpose, bind, check};
+use longstep_core::testing;
 use longstep_files::cache_directory;
 use longstep_llm::{ChatModel, ConverseError, ModelReference, OpenOptions, Progress, converse, load_domain, open};
 use serde_json::Value;
@@ -28,23 +29,13 @@ fn domain_named(name: &str) -> Domain {
     load_domain(&folder.display().to_string()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn world_of(domain: &Domain, environment: &Value) -> World {
-    let text = environment.to_string();
-    let environment = Environment::from_json(&text).unwrap();
-    environment::read(domain, &environment, "environment", &text, &json::Path::default())
-        .unwrap_or_else(|e| panic!("{e}"))
-}
-
 fn model() -> Box<dyn ChatModel> {
     let name = std::env::var("LONGSTEP_FEEDBACK_MODEL").expect("LONGSTEP_FEEDBACK_MODEL names a model");
     let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
     let threads = std::env::var("LONGSTEP_THREADS")
         .ok()
         .map(|threads| threads.parse().unwrap());
-    let options = OpenOptions {
-        threads: threads.or(Some(1)),
-        ..OpenOptions::new(cache_directory().unwrap())
-    };
+    let options = OpenOptions::new(cache_directory().unwrap()).with_threads(threads.or(Some(1)));
     open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -119,7 +110,7 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
     let text = |key: &str| case[key].as_str().unwrap();
     let scene = &scenes[text("scene")];
     let domain = domain_named(scene["domain"].as_str().unwrap());
-    let mut world = world_of(&domain, &scene["environment"]);
+    let mut world = testing::world_of(&domain, &scene["environment"]);
     // A session adds the numbers and quotations of what is said.
     let right = case["right"].as_array().unwrap().iter();
     let texts = right
@@ -240,7 +231,7 @@ fn figure() {
     let recorded: PlanFile = serde_json::from_value(scene["steps"][0]["recorded"].clone()).unwrap();
     let instruction = scene["steps"][0]["instruction"].as_str().unwrap();
     let domain = domain_named("household");
-    let world = world_of(&domain, &scene["steps"][0]["recorded"]["environment_before"]);
+    let world = testing::world_of(&domain, &scene["steps"][0]["recorded"]["environment_before"]);
     let purpose = Purpose {
         claim: recorded
             .environment_after

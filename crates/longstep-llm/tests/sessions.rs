@@ -14,6 +14,7 @@ mod chain;
 mod opened;
 
 use chain::{Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
+use longstep::Clock;
 use longstep::domain::Domain;
 use longstep::report;
 use longstep::session::{Event, ModelFacts, Response, Session, Settings};
@@ -21,12 +22,8 @@ use longstep_core::environment::World;
 use longstep_llm::{ChatModel, Progress, advance};
 
 fn session(name: &str, domain: Domain, world: World, model: &dyn ChatModel) -> Session {
-    let facts = ModelFacts {
-        name: model.name().to_owned(),
-        kind: model.constraint_kind(),
-        context: model.context_tokens(),
-    };
-    Session::new(name, domain, world, Settings::default(), facts, || 0.0)
+    let facts = ModelFacts::new(model.name(), model.constraint_kind()).with_context(model.context_tokens());
+    Session::new(name, domain, world, Settings::default(), facts, Clock::none())
 }
 
 /// The result of an instruction or a wish.
@@ -160,7 +157,7 @@ fn hundred() {
     let (mut meant, mut verified, mut questions, mut stuck) = (0, 0, 0, 0);
     for number in 1..=100 {
         let drawn = draw.instruction(session.world());
-        let wanted = report::of_goal(session.world(), &drawn.goal, "", &longstep::Limits::default(), || 0.0);
+        let wanted = report::of_goal(session.world(), &drawn.goal, "", &longstep::Limits::default(), &Clock::none());
         let wanted = session.world().after(wanted.plan.unwrap().ending());
         session.instruct(&drawn.words).unwrap();
         let asked = ask(&mut session, model.as_mut());

@@ -36,6 +36,7 @@ impl Position {
 
 /// One problem with its position. The constructors remove passwords from what they quote.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub struct Diagnostic {
     /// The file, as the user named it or relative to the domain's folder.
     pub file: String,
@@ -66,6 +67,12 @@ impl Diagnostic {
             message: shown(message),
             hint: None,
         }
+    }
+
+    /// Sets the position in the file, if it is known.
+    #[must_use]
+    pub fn with_position(self, position: Option<Position>) -> Self {
+        Self { position, ..self }
     }
 
     /// Adds advice to the diagnostic.

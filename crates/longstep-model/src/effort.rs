@@ -36,6 +36,7 @@ thread_local! {
 
 /// A result and the work that it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Spent<T> {
     /// The result. If the budget was exhausted, it is incomplete and serves only to show the progress.
     pub result: T,

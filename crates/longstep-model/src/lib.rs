@@ -7,6 +7,8 @@
 //! - [`model`]: domains, facts, states and worlds.
 //! - [`domain`], [`environment`]: domains and worlds read from files, and written. The shipped domains are in this crate.
 //! - [`geometry`]: environments from scenes of boxes with poses.
+//!
+//! The feature `testing` adds worlds for tests, the module `testing`.
 
 pub mod call;
 pub mod diagnostic;
@@ -18,4 +20,6 @@ pub mod json;
 pub mod literal;
 pub mod model;
 pub mod secret;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
 pub mod visible;

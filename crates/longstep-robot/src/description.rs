@@ -5,6 +5,7 @@ use std::time::Duration;
 
 /// The capabilities and the timeouts of a robot.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Description {
     /// The name of the robot, for messages.
     pub name: String,
@@ -32,6 +33,7 @@ pub struct Description {
 
 /// The time after which a robot that does not answer counts as failed.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Timeouts {
     /// For a step whose action is not in `actions`.
     pub perform: Duration,

@@ -15,7 +15,7 @@ use crate::stop::StopRequest;
 /// The longest wait between two looks at the robot and at the request to stop.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// The people and the log beside a run.
+/// The people and the log beside a run. See the example of [`drive`].
 pub trait Watcher {
     /// Keeps events. The robot is not asked to move before this returns.
     ///
@@ -48,6 +48,16 @@ struct Running {
 
 /// Returns the predicates that a robot reports besides the states of entities.
 ///
+/// ```
+/// use longstep_core::{domain, environment};
+/// use longstep_robot::{Robot, Sim, SimOptions, reports};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let world = environment::parse(&household, "env.json", r#"{"assets": ["<desk>"]}"#).unwrap();
+/// let sim = Sim::new(world.clone(), &SimOptions::default())?;
+/// assert_eq!(reports(&sim, &world)?.len(), sim.describe().reports.len());
+/// # Ok::<(), longstep_robot::RobotError>(())
+/// ```
+///
 /// # Errors
 ///
 /// The name of a predicate that the domain does not have, or that this robot cannot report: environments have words for
@@ -75,6 +85,44 @@ pub fn reports(robot: &dyn Robot, world: &World) -> Result<Vec<PredicateId>, Rob
 }
 
 /// Runs an execution on a robot until it is done or stopped; returns the reason of a stop. The robot is stopped first.
+///
+/// Blocks the thread. A [`StopRequest`] ends the run from another thread: at the latest after 20 ms, or after the robot's
+/// timeout for observations and stops.
+///
+/// # Example
+///
+/// ```
+/// use longstep_core::execution::{Aim, Approval, Event, Execution, StepOrder, Proposal, Settings, Unseen};
+/// use longstep_core::{domain, environment, plan, verify::check_file};
+/// use longstep_robot::{Sim, SimOptions, StopRequest, Watcher, drive};
+///
+/// /// Keeps events in memory, and answers no question.
+/// struct Alone(Vec<Event>);
+///
+/// impl Watcher for Alone {
+///     fn record(&mut self, _: &Execution, events: &[Event]) -> Result<(), String> {
+///         self.0.extend_from_slice(events);
+///         Ok(())
+///     }
+///     fn approve(&mut self, _: &Execution, _: &Proposal) -> Option<bool> { None }
+///     fn judge(&mut self, _: &Execution, _: &StepOrder) -> Option<bool> { None }
+///     fn confirm(&mut self, _: &Execution, _: &Unseen) -> Option<bool> { None }
+/// }
+///
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+/// let world = environment::parse(&household, "env.json", text).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+///
+/// let settings = Settings::default().with_approval(Approval::Never);
+/// let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();
+/// let mut sim = Sim::new(world, &SimOptions::default())?;
+/// let (mut watcher, request) = (Alone(Vec::new()), StopRequest::of(&sim));
+/// assert_eq!(drive(&mut execution, &mut sim, &mut watcher, &request), None);
+/// assert!(matches!(watcher.0.last(), Some(Event::Done { .. })));
+/// # Ok::<(), longstep_robot::RobotError>(())
+/// ```
 pub fn drive(
     execution: &mut Execution,
     robot: &mut dyn Robot,

@@ -17,17 +17,8 @@ use crate::robot::Robot;
 /// The error of the first step that it does not understand.
 pub fn preflight(robot: &dyn Robot, plan: &VerifiedPlan, skills: &Skills) -> Result<(), RobotError> {
     let world = plan.world();
-    for (index, step) in plan.steps().iter().enumerate() {
-        let wanted = Wanted {
-            number: index as u64 + 1,
-            step: StepId::new(index),
-            lane: step.actor(world.domain()),
-            action: step.action,
-            outcomes: Vec::new(),
-            skills: skills.values(world, Some(StepId::new(index)), step.action, &step.arguments),
-            arguments: step.arguments.clone(),
-            explanation: step.explanation.clone(),
-        };
+    for index in 0..plan.steps().len() {
+        let wanted = Wanted::of_step(plan, StepId::new(index), skills);
         robot.message(&order_of(world, &wanted))?;
     }
     Ok(())

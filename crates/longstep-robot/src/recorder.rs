@@ -20,6 +20,7 @@ const CLOSED_LIMIT: Duration = Duration::from_millis(100);
 
 /// The bounds of one recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RecorderLimits {
     /// The longest time without a line.
     pub silence: Duration,
@@ -42,6 +43,38 @@ impl Default for RecorderLimits {
             bytes: 64 << 20,
             line: 64 << 10,
         }
+    }
+}
+
+impl RecorderLimits {
+    /// Sets the longest time without a line.
+    #[must_use]
+    pub fn with_silence(self, silence: Duration) -> Self {
+        Self { silence, ..self }
+    }
+
+    /// Sets the longest recording.
+    #[must_use]
+    pub fn with_duration(self, duration: Duration) -> Self {
+        Self { duration, ..self }
+    }
+
+    /// Sets the longest time between the signal of Ctrl-C and the end of the program.
+    #[must_use]
+    pub fn with_ending(self, ending: Duration) -> Self {
+        Self { ending, ..self }
+    }
+
+    /// Sets the most bytes of a recording.
+    #[must_use]
+    pub fn with_bytes(self, bytes: usize) -> Self {
+        Self { bytes, ..self }
+    }
+
+    /// Sets the most bytes of a line.
+    #[must_use]
+    pub fn with_line(self, line: usize) -> Self {
+        Self { line, ..self }
     }
 }
 

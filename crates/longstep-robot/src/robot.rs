@@ -27,6 +27,8 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// - The end of an order is reported once. A failed step leaves the robot usable.
 /// - An implementation never assumes that a step was done: [`Progress::Done`] comes from the robot.
 ///
+/// # Example
+///
 /// ```
 /// use std::sync::Arc;
 /// use std::sync::atomic::{AtomicBool, Ordering};
@@ -85,10 +87,10 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// # Ok::<(), RobotError>(())
 /// ```
 pub trait Robot: Send {
-    /// Returns the capabilities and the timeouts. They never change.
+    /// Returns the capabilities and the timeouts. They never change. See the [example](Self#example).
     fn describe(&self) -> &Description;
 
-    /// Begins a step, without waiting for it.
+    /// Begins a step, without waiting for it. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -97,7 +99,7 @@ pub trait Robot: Send {
     fn start(&mut self, order: &Order) -> Result<Handle, RobotError>;
 
     /// Returns the state of a step that was started. Never waits. The handle ends with [`Progress::Done`] or
-    /// [`Progress::Failed`].
+    /// [`Progress::Failed`]. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -106,7 +108,7 @@ pub trait Robot: Send {
     fn poll(&mut self, handle: Handle) -> Result<Progress, RobotError>;
 
     /// Returns what the robot sees. Waits at most as long as the timeout for observations; a [`StopSwitch`] ends the
-    /// wait.
+    /// wait. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -114,7 +116,7 @@ pub trait Robot: Send {
     fn observe(&mut self, scope: &Scope) -> Result<Observation, RobotError>;
 
     /// Stops the robot, and all of its orders, at once. Does nothing if it is stopped already. Waits at most as long as
-    /// the timeout for stops for the robot's confirmation.
+    /// the timeout for stops for the robot's confirmation. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -122,7 +124,7 @@ pub trait Robot: Send {
     fn stop(&mut self) -> Result<(), RobotError>;
 
     /// Returns a switch that stops the robot from any thread. It does not wait for a confirmation: call
-    /// [`Robot::stop`] afterwards for that.
+    /// [`Robot::stop`] afterwards for that. See the [example](Self#example).
     fn stop_switch(&self) -> StopSwitch;
 
     /// Prepares for another plan, which begins in this world. A robot that counts events, such as a wiped table, begins
@@ -130,12 +132,34 @@ pub trait Robot: Send {
     fn begin_plan(&mut self, _: &World) {}
 
     /// Returns the robot that goes on in the same world after a stop; none if the robot has to be opened again.
+    ///
+    /// ```
+    /// # use longstep_core::{domain, environment};
+    /// # use longstep_robot::{Order, Robot, Scope, Sim, SimOptions};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let world = environment::parse(&household, "env.json", r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#).unwrap();
+    /// let mut sim = Sim::new(world, &SimOptions::default())?;
+    /// sim.stop()?;
+    /// assert!(sim.observe(&Scope::All).is_err());
+    /// assert!(sim.revived().unwrap().observe(&Scope::All).is_ok());
+    /// # Ok::<(), longstep_robot::RobotError>(())
+    /// ```
     fn revived(&self) -> Option<Box<dyn Robot>> {
         None
     }
 
     /// Returns the message that an order would be sent as, without sending it: a robot that understands a plan can be asked
     /// so for each step before anything moves.
+    ///
+    /// ```
+    /// # use longstep_core::{domain, environment};
+    /// # use longstep_robot::{Order, Robot, Scope, Sim, SimOptions};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let world = environment::parse(&household, "env.json", r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#).unwrap();
+    /// let sim = Sim::new(world, &SimOptions::default())?;
+    /// assert_eq!(sim.message(&Order::new(1, "grasp", ["<pen>"]))?["action"], "grasp");
+    /// # Ok::<(), longstep_robot::RobotError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -158,7 +182,7 @@ pub trait Robot: Send {
         None
     }
 
-    /// Waits until a poll may have something new, at most `limit` long. May return early.
+    /// Waits until a poll may have something new, at most `limit` long. May return early. See the [example](Self#example).
     fn wait(&mut self, limit: Duration) {
         std::thread::sleep(limit.min(PAUSE));
     }
@@ -182,7 +206,14 @@ pub enum Progress {
 }
 
 /// A message about a step that is under way, for people.
+///
+/// ```
+/// use longstep_robot::Feedback;
+/// let feedback = Feedback::default().with_fraction(0.5).with_text("half way".to_owned());
+/// assert_eq!((feedback.fraction, feedback.data), (Some(0.5), None));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Feedback {
     /// The share of the step that is done, from 0 to 1.
     pub fraction: Option<f64>,
@@ -190,6 +221,35 @@ pub struct Feedback {
     pub text: Option<String>,
     /// Further data of the robot, such as a pose.
     pub data: Option<Value>,
+}
+
+impl Feedback {
+    /// Sets the share of the step that is done, from 0 to 1.
+    #[must_use]
+    pub fn with_fraction(self, fraction: impl Into<Option<f64>>) -> Self {
+        Self {
+            fraction: fraction.into(),
+            ..self
+        }
+    }
+
+    /// Sets the sentence.
+    #[must_use]
+    pub fn with_text(self, text: impl Into<Option<String>>) -> Self {
+        Self {
+            text: text.into(),
+            ..self
+        }
+    }
+
+    /// Sets further data of the robot.
+    #[must_use]
+    pub fn with_data(self, data: impl Into<Option<Value>>) -> Self {
+        Self {
+            data: data.into(),
+            ..self
+        }
+    }
 }
 
 /// A switch that stops a robot from any thread. Clones stop the same robot.

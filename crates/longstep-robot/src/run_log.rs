@@ -14,6 +14,7 @@ const LARGEST: u64 = 256 << 20;
 /// The first line of a log: what a run needs besides its events.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct RunHeader {
     /// The version of the log.
     pub longstep_run: u32,
@@ -39,6 +40,12 @@ impl RunHeader {
             domain: domain.to_owned(),
             dry_run: false,
         }
+    }
+
+    /// Marks a run in which nothing moves, or not.
+    #[must_use]
+    pub fn with_dry_run(self, dry_run: bool) -> Self {
+        Self { dry_run, ..self }
     }
 }
 

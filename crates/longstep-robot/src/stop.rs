@@ -9,6 +9,18 @@ use crate::robot::{Robot, StopSwitch};
 ///
 /// A request exists before its robot: one that comes while the robot is being opened stops it as soon as there is
 /// something to stop ([`StopRequest::attach`]).
+///
+/// ```
+/// use std::sync::Arc;
+/// use std::sync::atomic::{AtomicBool, Ordering};
+/// use longstep_robot::{StopRequest, StopSwitch};
+/// let request = StopRequest::default();
+/// request.stop();
+/// let pressed = Arc::new(AtomicBool::new(false));
+/// let seen = Arc::clone(&pressed);
+/// request.attach(StopSwitch::new(move || seen.store(true, Ordering::SeqCst)));
+/// assert!(request.is_requested() && pressed.load(Ordering::SeqCst));
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct StopRequest {
     requested: Arc<AtomicBool>,

@@ -12,7 +12,7 @@ use longstep_core::environment::{self, Fact, State, Words, World};
 use longstep_core::model::{Domain, EntityId};
 use longstep_core::plan::Step;
 use longstep_core::verify::VerifiedPlan;
-use longstep_core::{domain, goal, search, verify};
+use longstep_core::{goal, search, testing, verify};
 use longstep_robot::process::{Command, Process};
 use longstep_robot::{Observation, Order, Progress, Robot, RobotError, Scope};
 
@@ -21,7 +21,7 @@ fn root() -> PathBuf {
 }
 
 fn household() -> Domain {
-    domain::shipped("household").unwrap().unwrap()
+    testing::domain("household")
 }
 
 /// A case of the suite: its scene and its goals.
@@ -60,9 +60,9 @@ fn suite_folder(suite: &str) -> PathBuf {
     root().join("crates/longstep-eval/suites").join(suite)
 }
 
-fn world_of(suite: &str, scene: &str) -> World {
+fn scene_of(suite: &str, scene: &str) -> World {
     let file = suite_folder(suite).join(format!("scenes/{scene}.json"));
-    environment::parse(&household(), scene, &std::fs::read_to_string(file).unwrap()).unwrap()
+    testing::world("household", &std::fs::read_to_string(file).unwrap())
 }
 
 /// Starts the robot in a world.
@@ -75,10 +75,6 @@ fn robot_in(world: &World, options: &[&str]) -> Process {
         .scene("household", world.environment().clone())
         .open()
         .unwrap()
-}
-
-fn planned(world: &World, text: &str) -> VerifiedPlan {
-    plan(world, text).unwrap()
 }
 
 /// Plans; the error says that there is no plan.
@@ -233,7 +229,7 @@ fn instruct(
 fn observed_world(world: &World, observation: &Observation) -> World {
     let mut seen = world.environment().clone();
     seen.object_states.extend(observation.states.clone());
-    environment::parse(world.domain(), "observed", &serde_json::to_string(&seen).unwrap()).unwrap()
+    testing::world_of(world.domain(), &serde_json::to_string(&seen).unwrap())
 }
 
 #[test]
@@ -242,7 +238,7 @@ fn the_fifteen_instructions_are_performed_as_promised() {
     let begin = Instant::now();
     let (mut instructions, mut steps) = (0, 0);
     for case in cases("household") {
-        let mut world = world_of("household", &case.scene);
+        let mut world = scene_of("household", &case.scene);
         let mut robot = robot_in(&world, &[]);
         let mut events = BTreeSet::new();
         for text in &case.goals {
@@ -274,7 +270,7 @@ fn long_chains_are_measured() {
     let begin = Instant::now();
     let (mut promised, mut mended, mut failed, mut steps) = (0, 0, 0, 0);
     for case in cases("long") {
-        let mut world = world_of("long", &case.scene);
+        let mut world = scene_of("long", &case.scene);
         let mut robot = robot_in(&world, &[]);
         let mut events = BTreeSet::new();
         for text in &case.goals {
@@ -318,8 +314,8 @@ fn performed_without(world: &World, plan: &VerifiedPlan, left_out: usize) -> (Ve
 #[test]
 #[ignore = "needs LONGSTEP_MUJOCO, the Python that scripts/robots/mujoco.sh prints"]
 fn a_plan_without_one_of_its_steps_fails_physically() {
-    let world = world_of("household", "fridge");
-    let plan = planned(&world, "put(juice, floor) & closed(fridge)");
+    let world = scene_of("household", "fridge");
+    let plan = testing::plan_for(&world, "put(juice, floor) & closed(fridge)");
     let names: Vec<String> = plan.steps().iter().map(|step| order(&world, 1, step).action).collect();
     let opens = names.iter().position(|name| name == "open-by-rotate").unwrap();
     let promised = facts_of(&world, &plan.ending().after, &OBSERVED);
@@ -349,9 +345,9 @@ fn a_plan_without_one_of_its_steps_fails_physically() {
 #[test]
 #[ignore = "needs LONGSTEP_MUJOCO, the Python that scripts/robots/mujoco.sh prints"]
 fn mujoco_slip_is_measured_and_can_be_repaired() {
-    let world = world_of("household", "shelf");
+    let world = scene_of("household", "shelf");
     let mut robot = robot_in(&world, &["--slip", "4"]);
-    let plan = planned(&world, "put(juice, shelf top)");
+    let plan = testing::plan_for(&world, "put(juice, shelf top)");
     for (place, step) in plan.steps().iter().enumerate() {
         let (end, _) = perform(&mut robot, &order(&world, place + 1, step)).unwrap();
         match end {
@@ -372,7 +368,7 @@ fn mujoco_slip_is_measured_and_can_be_repaired() {
         !observed.contains("(holding <juice>)") && !observed.contains("(on <juice> <shelf_top>)"),
         "{observed:?}"
     );
-    let mended = planned(&now, "put(juice, shelf top)");
+    let mended = testing::plan_for(&now, "put(juice, shelf top)");
     for (place, step) in mended.steps().iter().enumerate() {
         let (end, _) = perform(&mut robot, &order(&now, place + 1, step)).unwrap();
         assert_eq!(end, Progress::Done { outcome: None }, "{place}");
@@ -384,7 +380,7 @@ fn mujoco_slip_is_measured_and_can_be_repaired() {
 #[test]
 #[ignore = "needs LONGSTEP_MUJOCO, the Python that scripts/robots/mujoco.sh prints"]
 fn a_stop_ends_a_movement() {
-    let world = world_of("household", "shelf");
+    let world = scene_of("household", "shelf");
     let mut robot = robot_in(&world, &[]);
     robot.start(&Order::new(1, "move-hand", ["<juice>"])).unwrap();
     robot.stop().unwrap();
@@ -398,7 +394,7 @@ fn a_stop_ends_a_movement() {
 #[ignore = "needs LONGSTEP_MUJOCO, the Python that scripts/robots/mujoco.sh prints"]
 fn scenes_that_cannot_be_built_are_refused() {
     let text = r#"{"assets": ["<table>"], "objects": ["<cup>", "<vase>"], "object_states": {"<cup>": "on_something(<vase>)"}}"#;
-    let world = environment::parse(&household(), "scene", text).unwrap();
+    let world = testing::world("household", text);
     let python = std::env::var("LONGSTEP_MUJOCO").unwrap();
     let program = root().join("examples/robots/mujoco/robot.py");
     let command = Command::new([python, program.to_str().unwrap().to_owned()]);

@@ -10,13 +10,13 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use longstep_core::domain;
-use longstep_core::environment::{self, World};
+use longstep_core::{domain, testing};
+use longstep_core::environment::World;
 use longstep_core::execution::{Aim, Event};
 use longstep_core::model::Domain;
 use longstep_robot::process::{Command, Process};
 use longstep_robot::{Order, Progress, Robot};
-use support::{carried_out, planned, root};
+use support::{carried_out, root};
 
 fn folder() -> PathBuf {
     root().join("examples/robots/pyrobosim")
@@ -33,9 +33,9 @@ fn domain() -> Domain {
     domain::load(&files).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn world_of(domain: &Domain, scene: &str) -> World {
+fn scene_of(domain: &Domain, scene: &str) -> World {
     let file = folder().join(format!("domain/suite/scenes/{scene}.json"));
-    environment::parse(domain, scene, &std::fs::read_to_string(file).unwrap()).unwrap()
+    testing::world_of(domain, &std::fs::read_to_string(file).unwrap())
 }
 
 /// Starts the robot in the world of a scene.
@@ -65,8 +65,8 @@ fn the_twenty_instructions_end_in_success() {
     let (mut instructions, mut steps, mut repeated) = (0, 0, 0);
     for case in suite["case"].as_array().unwrap() {
         let (scene, goal) = (case["scene"].as_str().unwrap(), case["goal"].as_str().unwrap());
-        let world = world_of(&domain, scene);
-        let plan = planned(&world, goal);
+        let world = scene_of(&domain, scene);
+        let plan = testing::plan_for(&world, goal);
         let mut robot = robot_in(&world, scene);
         let (execution, events, stop) = carried_out(&plan, &Aim::Goal(goal.to_owned()), &mut robot);
         assert_eq!(stop, None, "{goal}: {events:?}");
@@ -95,7 +95,7 @@ fn the_twenty_instructions_end_in_success() {
 #[test]
 #[ignore = "needs LONGSTEP_PYROBOSIM, the Python that scripts/robots/pyrobosim.sh prints"]
 fn every_refusal_is_a_failed_step_with_its_own_status() {
-    let world = world_of(&domain(), "test_world");
+    let world = scene_of(&domain(), "test_world");
     let mut robot = robot_in(&world, "test_world");
     let mut perform = |action: &str, arguments: &[&str]| {
         let handle = robot.start(&Order::new(1, action, arguments.iter().copied())).unwrap();

@@ -11,10 +11,7 @@ use longstep_robot::recorder::{Recorder, RecorderError, RecorderLimits};
 const MOMENT: Duration = Duration::from_secs(1);
 
 fn limits() -> RecorderLimits {
-    RecorderLimits {
-        silence: Duration::from_secs(20),
-        ..RecorderLimits::default()
-    }
+    RecorderLimits::default().with_silence(Duration::from_secs(20))
 }
 
 /// Records a shell script until it wrote so many lines.
@@ -52,18 +49,9 @@ fn recorders_that_cannot_be_used_are_errors() {
         reason: reason.to_owned(),
         messages: messages.to_owned(),
     };
-    let silent = RecorderLimits {
-        silence: MOMENT,
-        ..limits()
-    };
-    let short = RecorderLimits {
-        duration: MOMENT,
-        ..limits()
-    };
-    let small = RecorderLimits {
-        bytes: 1 << 20,
-        ..limits()
-    };
+    let silent = limits().with_silence(MOMENT);
+    let short = limits().with_duration(MOMENT);
+    let small = limits().with_bytes(1 << 20);
     for (script, limits, expected) in [
         (
             "echo a; exit 3",
@@ -140,10 +128,7 @@ fn is_gone(process: &str) -> bool {
 #[test]
 #[cfg(target_os = "linux")]
 fn no_process_outlives_its_recording() {
-    let limits = RecorderLimits {
-        ending: MOMENT,
-        ..limits()
-    };
+    let limits = limits().with_ending(MOMENT);
     // Its own number and that of a child, both deaf to Ctrl-C.
     let deaf = "trap '' INT TERM HUP; sleep 600 & echo $$; echo $!; while :; do sleep 0.1; done";
     // The children are left behind.

@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use longstep_core::domain;
 use longstep_core::model::Domain;
+use longstep_core::testing;
 use longstep_robot::ros2::{Configuration, Ros2, check, trials};
 use longstep_robot::{Order, Progress, Robot, RobotError, Scope};
 use serde_json::{Value, json};
@@ -126,7 +126,7 @@ states = "statements"
 const SHORT: &str = "[timeouts]\nconnect = 0.3\naccept = 0.3\nperform = 0.6\nobserve = 0.3\nstop = 0.3\nsilence = 20";
 
 fn household() -> Domain {
-    domain::shipped("household").unwrap().unwrap()
+    testing::domain("household")
 }
 
 fn answer(message: &Value, values: Value) -> Deed {
@@ -223,10 +223,10 @@ fn the_configurations_that_are_shown_can_be_used() {
 
 #[test]
 fn mismatches_with_a_domain_have_their_places() {
-    let checks = domain::shipped("household-checks").unwrap().unwrap();
+    let checks = testing::domain("household-checks");
     let env =
         r#"{"assets": ["<desk>"], "objects": ["<pen>", "<milk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-    let world = longstep_core::environment::parse(&checks, "env.json", env).unwrap();
+    let world = testing::world_of(&checks, env);
     let sensing = checks.actions.iter().find(|action| !action.senses.is_empty()).unwrap();
     let text = WRONG.replace("SENSING", &sensing.name);
     let checked = check(

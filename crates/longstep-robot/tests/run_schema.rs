@@ -45,10 +45,7 @@ impl Schema {
 fn interrupted() -> Vec<Event> {
     let case = &cases(&["household"])[0];
     let sim = Sim::new(case.world.clone(), &"seed=1".parse().unwrap()).unwrap();
-    let settings = Settings {
-        approval: Approval::EachStep,
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_approval(Approval::EachStep);
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
     let mut log = Vec::new();
     let mut orders = 0;
@@ -90,10 +87,7 @@ fn the_schema_describes_the_logs_of_real_runs() {
         let path = folder.path().join(format!("{number}.jsonl"));
         let mut log = RunLog::create(
             &path,
-            &RunHeader {
-                dry_run: true,
-                ..RunHeader::new("sim", "household")
-            },
+            &RunHeader::new("sim", "household").with_dry_run(true),
         )
         .unwrap();
         log.append(events).unwrap();

@@ -16,12 +16,13 @@ use longstep_core::environment::{Environment, Observation, Words, World};
 use longstep_core::execution::{Aim, Event};
 use longstep_core::plan::{self, TaskCohesion};
 use longstep_core::verify::{self, Purpose};
+use longstep_core::testing;
 use longstep_robot::virtualhome::{
     Graph, Line, Simulator, Trial, VirtualHome, VirtualHomeOptions, environment, feedback, statements,
 };
 use longstep_robot::{Order, Progress, Robot, RobotError, Scope};
 use serde_json::Value;
-use support::{Program, carried_out, planned, root, world_of};
+use support::{Program, carried_out, root};
 
 const LIMIT: Duration = Duration::from_secs(30);
 
@@ -46,7 +47,7 @@ fn options(server: &Program) -> VirtualHomeOptions {
 
 fn flat() -> (PathBuf, World) {
     let file = root().join("examples/environments/flat.json");
-    let world = world_of("virtualhome", &std::fs::read_to_string(&file).unwrap());
+    let world = testing::world("virtualhome", &std::fs::read_to_string(&file).unwrap());
     (file, world)
 }
 
@@ -81,7 +82,7 @@ fn a_scene_becomes_the_environment_that_it_was_made_from() {
     let simulator = Simulator::new(&server.first_line).unwrap();
     let graph = simulator.graph().unwrap();
     let again = serde_json::to_string(&environment(&graph, &[])).unwrap();
-    let again = world_of("virtualhome", &again);
+    let again = testing::world("virtualhome", &again);
     assert_eq!(stated(&again), stated(&world));
     // What it says of the entities of the world is what the world says.
     let seen = Observation::read(&world, &[], &statements(&graph, &world)).unwrap();
@@ -105,7 +106,7 @@ fn plans_are_carried_out_with_a_picture_of_each_step() {
     ];
     let mut world = world;
     for text in goals {
-        let plan = planned(&world, text);
+        let plan = testing::plan_for(&world, text);
         let mut options = options(&server);
         options.pictures = Some(folder.path().join("pictures"));
         let mut robot = VirtualHome::open(world.clone(), &options).unwrap();
@@ -167,7 +168,7 @@ fn virtualhome_reports_a_refused_action_as_a_failed_step() {
     robot.stop().unwrap();
     assert_eq!(robot.observe(&Scope::All), Err(RobotError::Stopped));
     // Another scene.
-    let world = world_of("virtualhome", r#"{"assets": ["<piano_9>"], "objects": []}"#);
+    let world = testing::world("virtualhome", r#"{"assets": ["<piano_9>"], "objects": []}"#);
     let error = VirtualHome::open(world, &options(&server)).unwrap_err().to_string();
     assert!(error.contains("<piano_9>"), "{error}");
 }
@@ -232,7 +233,7 @@ fn the_fourteen_scenarios_end_as_their_reference_programs() {
     let scenarios = recorded("scenarios.json");
     let worlds: Vec<World> = scenarios
         .iter()
-        .map(|scenario| world_of("virtualhome", &scenario["environment"].to_string()))
+        .map(|scenario| testing::world("virtualhome", &scenario["environment"]))
         .collect();
     let calls: Vec<Vec<String>> = scenarios
         .iter()
@@ -306,7 +307,7 @@ fn the_feedback_loop_takes_the_paper_s_rounds() {
     let (scenarios, replies) = (recorded("scenarios.json"), recorded("recorded_feedback.json"));
     let mut rounds = Vec::new();
     for scenario in &scenarios {
-        let world = world_of("virtualhome", &scenario["environment"].to_string());
+        let world = testing::world("virtualhome", &scenario["environment"]);
         let mut round = 0;
         for reply in replies.iter().filter(|reply| reply["scenario"] == scenario["id"]) {
             let calls = calls_of(&reply["reply"]["task_cohesion"]["task_sequence"]);

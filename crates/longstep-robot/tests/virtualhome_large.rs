@@ -4,8 +4,9 @@
 use std::time::{Duration, Instant};
 
 use longstep_core::domain;
-use longstep_core::environment::{self, Observation as Seen};
+use longstep_core::environment::{self, ObservedFacts as Seen};
 use longstep_core::json::Path;
+use longstep_core::testing;
 use longstep_robot::virtualhome::{Graph, environment, statements};
 use serde_json::{Value, json};
 
@@ -44,7 +45,7 @@ fn crowd(count: usize) -> Value {
 
 #[test]
 fn the_environment_of_a_large_scene_takes_linear_time() {
-    let virtualhome = domain::shipped("virtualhome").unwrap().unwrap();
+    let virtualhome = testing::domain("virtualhome");
     for (name, scene) in [("chain", chain(NODES)), ("crowd", crowd(NODES))] {
         let graph = Graph::parse(&scene.to_string()).unwrap();
         let begun = Instant::now();
@@ -64,7 +65,7 @@ fn the_environment_of_a_large_scene_takes_linear_time() {
 
 #[test]
 fn the_observation_of_a_large_scene_takes_linear_time() {
-    let virtualhome = domain::shipped("virtualhome").unwrap().unwrap();
+    let virtualhome = testing::domain("virtualhome");
     // The world is as large as the domain allows; the scene has many more nodes.
     let small = environment(&Graph::parse(&chain(WORLD).to_string()).unwrap(), &[]);
     let text = serde_json::to_string(&small).unwrap();

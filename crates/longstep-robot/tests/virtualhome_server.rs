@@ -10,10 +10,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use longstep_core::environment::World;
+use longstep_core::testing;
 use longstep_robot::virtualhome::{Simulator, VirtualHome, VirtualHomeOptions};
 use longstep_robot::{Handle, Order, Progress, Robot, RobotError, Scope};
 use serde_json::{Value, json};
-use support::world_of;
 
 /// The reaction of a server to a request.
 enum Reaction {
@@ -134,7 +134,7 @@ fn read_request(connection: &TcpStream) -> Option<Value> {
 }
 
 fn world() -> World {
-    world_of("virtualhome", ENVIRONMENT)
+    testing::world("virtualhome", ENVIRONMENT)
 }
 
 fn grab() -> Order {

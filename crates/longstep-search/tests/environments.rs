@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
 use longstep_model::json::Path;
-use longstep_model::model::{Domain, Environment, World};
-use longstep_model::{domain, environment};
+use longstep_model::model::Domain;
+use longstep_model::model::{Environment, World};
+use longstep_model::testing;
 use longstep_search::goal;
 use longstep_search::search::{Limits, Outcome, solve};
 use longstep_verify::verify::{VerifiedPlan, check};
@@ -23,7 +24,7 @@ fn plan(world: &World, text: &str) -> VerifiedPlan {
 
 #[test]
 fn next_world_equals_its_written_environment_and_keeps_facts() {
-    let household = domain::shipped("household").unwrap().unwrap();
+    let household = testing::domain("household");
     let text = r#"{"assets": ["<desk>", "<chest>", "<fridge>"], "objects": ["<pen>", "<fridge_handle>"],
         "object_states": {"<pen>": "inside_something(<chest>)", "<fridge_handle>": "closed()"}}"#;
     let mut world = read(&household, &Environment::from_json(text).unwrap());
@@ -49,7 +50,7 @@ fn next_world_equals_its_written_environment_and_keeps_facts() {
 /// Adds and removes facts in environment notation, and writes the environment.
 #[track_caller]
 fn check_written(before: &str, changes: &[(&str, bool)], expected: &str) {
-    let household = domain::shipped("household").unwrap().unwrap();
+    let household = testing::domain("household");
     let environment = Environment::from_json(before).unwrap();
     let world = read(&household, &environment);
     let mut state = world.state.clone();

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
-use longstep_model::domain::{Files, load};
 use longstep_model::environment::*;
 use longstep_model::model::Domain;
+use longstep_model::testing;
 use longstep_search::goal::{self, GoalError};
 use longstep_search::pddl;
 use longstep_search::search::{Limits, Outcome, solve};
@@ -12,19 +12,14 @@ use longstep_verify::plan::{PlanFile, TaskCohesion, Written, resolve, script};
 use longstep_verify::verify::check;
 
 fn home() -> Domain {
-    let files = Files {
-        pddl: include_str!("../../longstep-model/tests/domains/home/domain.pddl").to_owned(),
-        words: include_str!("../../longstep-model/tests/domains/home/domain.toml").to_owned(),
-        ..Files::default()
-    };
-    load(&files).unwrap_or_else(|findings| panic!("{findings}"))
+    testing::domain("home")
 }
 
 const FLAT: &str = r#"{"assets": ["<thermostat>", "<oven>"], "objects": ["<pie>"],
     "asset_states": {"<thermostat>": "set_to(18 degC)"}, "asset_properties": {"<oven>": ["OVEN"]}}"#;
 
 fn flat(text: &str) -> World {
-    let mut world = parse(&home(), "flat.json", FLAT).unwrap();
+    let mut world = testing::world("home", FLAT);
     goal::add_values(&mut world, text);
     world
 }

@@ -18,6 +18,7 @@ const ITERATIONS: usize = 100;
 
 /// An arc with standard uncertainties.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Arc {
     /// The axis of rotation, of length 1. The hand turns around it as a right-handed screw by `angle`.
     pub axis: Vector3<f64>,

@@ -6,6 +6,7 @@ use crate::demonstration::Hand;
 
 /// A finding about the demonstration of a step.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Finding {
     /// The number of the step, from 1; none for a finding about a whole recording.
     pub step: Option<usize>,

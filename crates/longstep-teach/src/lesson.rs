@@ -20,6 +20,7 @@ const CHAIN: f64 = 0.05;
 
 /// The values of a step.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct TaughtStep {
     /// The number of the step, from 1.
     pub step: usize,
@@ -29,6 +30,7 @@ pub struct TaughtStep {
 
 /// The values that demonstrations give, with findings.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Lesson {
     /// The steps with values, in order.
     pub steps: Vec<TaughtStep>,

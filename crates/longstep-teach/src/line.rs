@@ -6,6 +6,7 @@ use crate::noise;
 
 /// A straight motion with standard uncertainties.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Line {
     /// The direction from the first to the last point, of length 1.
     pub direction: Vector3<f64>,

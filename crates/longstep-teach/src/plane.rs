@@ -9,6 +9,7 @@ const PRIOR_SPREAD: f64 = 0.087;
 
 /// A plane with standard uncertainties.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Plane {
     /// The normal, of length 1.
     pub normal: Vector3<f64>,

@@ -23,6 +23,7 @@ const CLEARLY: f64 = 1.3;
 
 /// The part of a recording that shows a step.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Segment {
     /// The number of the step, from 1.
     pub step: usize,

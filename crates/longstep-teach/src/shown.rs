@@ -34,6 +34,7 @@ impl Default for Expectations {
 
 /// A value of a skill parameter from a demonstration.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct TaughtValue {
     /// The parameter.
     pub parameter: String,

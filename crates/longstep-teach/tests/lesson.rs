@@ -4,7 +4,7 @@
 mod person;
 
 use longstep_core::skill::Skills;
-use longstep_core::{domain, environment};
+use longstep_core::testing;
 use longstep_teach::{
     Demonstration, Expectations, Format, Hand, Lesson, Request, cut, cut_at_times, learn, one_each, skills_file,
     step_times,
@@ -465,7 +465,7 @@ fn priors_of_the_domain_are_compared() {
         .replace(r#"fit = "axis" }"#, r#"fit = "axis", prior = [1, 0, 0] }"#);
     let domain = domain::load(&files).unwrap();
     let text = r#"{"assets": ["<drawer>", "<fridge>"], "objects": ["<drawer_handle>", "<fridge_handle>"]}"#;
-    let world = environment::parse(&domain, "env.json", text).unwrap();
+    let world = testing::world_of(&domain, text);
     let mut person = Person::new(NOISE);
     person.by([0.0, -0.2, 0.0]);
     let requests = plan(&world, &["open-by-slide drawer_handle"]);

@@ -86,6 +86,7 @@ struct TaughtText {
 /// A step whose parameter a person has not taught.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("step {} `{call}` has no `{parameter}` ({kind}); teach it, or add it to the skills file", .step.index() + 1)]
+#[non_exhaustive]
 pub struct MissingSkill {
     /// The step.
     pub step: StepId,
@@ -255,10 +256,7 @@ impl Reader<'_> {
             path => format!("{path}: {message}"),
         };
         if self.findings.len() < 100 {
-            self.findings.push(Diagnostic {
-                position: self.locator.locate(path),
-                ..Diagnostic::whole(self.file, message)
-            });
+            self.findings.push(Diagnostic::whole(self.file, message).with_position(self.locator.locate(path)));
         }
     }
 
@@ -366,6 +364,7 @@ mod tests {
     use super::*;
     use longstep_model::domain::{self, Files};
     use longstep_model::environment;
+    use longstep_model::testing;
 
     use crate::plan::{Plan, Step};
 
@@ -499,7 +498,7 @@ skill = [{ name = "approach", type = "direction", from = "demonstration" },
     fn a_step_that_nobody_taught_is_named() {
         let domain = domain::load(&files(SKILLS)).unwrap();
         let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
-        let world = environment::parse(&domain, "env.json", text).unwrap();
+        let world = testing::world_of(&domain, text);
         let (attach, _) = domain.action_ids().find(|(_, action)| action.name == "attach").unwrap();
         let arguments = ["<cup>", "<shelf>"].map(|name| world.find(name).unwrap());
         let plan = Plan::sequence(vec![Step::explained(&world, attach, arguments.to_vec())]);
@@ -520,7 +519,7 @@ skill = [{ name = "approach", type = "direction", from = "demonstration" },
     fn an_entry_for_a_step_counts_in_that_step_only() {
         let domain = domain::load(&files(SKILLS)).unwrap();
         let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
-        let world = environment::parse(&domain, "env.json", text).unwrap();
+        let world = testing::world_of(&domain, text);
         let skills = r#"{"attach": [{"arguments": ["_", "<shelf>"], "values": {"approach": [0, 0, -1]}},
                                     {"arguments": ["_", "_"], "step": 5, "values": {"approach": [0, 1, 0]},
                                      "taught": {"approach": {"uncertainty": 0.01, "unit": "rad", "source": "a.csv"}}}]}"#;

@@ -15,11 +15,11 @@ use longstep_core::json::Path;
 use longstep_core::plan::Plan;
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_core::verify;
+use longstep_core::testing;
 
 fn scene(domain: &Domain, file: PathBuf) -> World {
     let text = std::fs::read_to_string(&file).unwrap();
-    let environment = Environment::from_json(&text).unwrap();
-    environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    testing::world_of(domain, &text)
 }
 
 fn example(name: &str) -> PathBuf {

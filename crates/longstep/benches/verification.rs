@@ -15,11 +15,7 @@ use longstep_core::json::Path;
 use longstep_core::plan::{Node, Plan, PlanFile, Step, StepId, TaskCohesion, Test, resolve};
 use longstep_core::repair::{RepairOutcome, repair};
 use longstep_core::verify::{self, Purpose};
-
-fn world_of(domain: &Domain, text: &str) -> World {
-    let environment = Environment::from_json(text).unwrap();
-    environment::read(domain, &environment, "environment", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
-}
+use longstep_core::testing;
 
 /// Carries the item to and fro between two places, a thousand steps.
 fn carrying(world: &World, item: &str, places: [&str; 2]) -> Plan {
@@ -40,7 +36,6 @@ fn carrying(world: &World, item: &str, places: [&str; 2]) -> Plan {
 }
 
 fn verification(criterion: &mut Criterion) {
-    let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let flat = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/environments/flat.json");
     let mut scenes = vec![(
         "flat",
@@ -55,7 +50,7 @@ fn verification(criterion: &mut Criterion) {
     }
     let mut group = criterion.benchmark_group("verify 1000 steps");
     for (name, text, item, places) in scenes {
-        let world = world_of(&domain, &text);
+        let world = testing::world("virtualhome", &text);
         let plan = carrying(&world, item, places);
         let report = verify::check(&world, plan.clone(), &Purpose::default());
         assert_eq!(report.violations, vec![], "{name}");
@@ -78,7 +73,7 @@ fn hall(domain: &Domain, tables: usize) -> World {
         r#"{{"assets": [{}], "objects": ["<sponge>"], "object_states": {{"<sponge>": ["on_something(<table_1>)", "inside_hand()"]}}}}"#,
         names.join(", ")
     );
-    world_of(domain, &text)
+    testing::world_of(domain, &text)
 }
 
 /// A thousand branches, each on whether a table is clean: the first table again and again, which is wiped either way, or
@@ -160,7 +155,7 @@ fn repairing(_: &mut Criterion) {
     };
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let scenarios = read("scenarios.json");
-    let kitchen = world_of(&domain, &read("kitchen.json").to_string());
+    let kitchen = testing::world_of(&domain, &read("kitchen.json"));
     let mut times: Vec<(Duration, String)> = Vec::new();
     let mut in_kitchen: Vec<(Duration, String)> = Vec::new();
     for trial in read("recorded_trials.json").as_array().unwrap() {
@@ -170,7 +165,7 @@ fn repairing(_: &mut Criterion) {
             .iter()
             .find(|s| s["id"] == trial["scenario"])
             .unwrap();
-        let world = world_of(&domain, &scenario["environment"].to_string());
+        let world = testing::world_of(&domain, &scenario["environment"]);
         let name = format!("scenario {}, trial {}", trial["scenario"], trial["trial"]);
         let file: PlanFile = serde_json::from_value(trial["reply"].clone()).unwrap();
         times.push((repair_time(&world, &file), name.clone()));

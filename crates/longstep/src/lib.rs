@@ -54,9 +54,11 @@
 //! for goals, [`report`] makes the answers for programs, [`compose`] builds plans from stored ones. Verification, search,
 //! repair, schedules and PDDL are functions of the crate `longstep-core`, below this one.
 
+mod clock;
 mod error;
 mod planner;
 
+pub use clock::Clock;
 pub use error::{Error, ErrorKind};
 pub use planner::Planner;
 

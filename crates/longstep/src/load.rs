@@ -13,6 +13,14 @@ use crate::model::{
 
 /// Loads a domain from the contents of its files.
 ///
+/// ```
+/// use longstep::domain;
+/// let mut files = domain::shipped_files("household").unwrap();
+/// assert_eq!(domain::load(&files).unwrap().name, "household");
+/// files.words = files.words.replace("[lexicon]", "[lexikon]");
+/// assert!(domain::load(&files).unwrap_err().to_string().contains("lexikon"));
+/// ```
+///
 /// # Errors
 ///
 /// All errors in the files and all contradictions between them, each with file, line and column. A syntax error in PDDL
@@ -29,6 +37,12 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
 
 /// Loads the shipped domain of that name. Returns none if there is no such domain.
 ///
+/// ```
+/// use longstep::domain;
+/// assert_eq!(domain::shipped("household").unwrap().unwrap().origin, "household");
+/// assert!(domain::shipped("garage").is_none());
+/// ```
+///
 /// # Errors
 ///
 /// None in practice: the tests load every shipped domain.
@@ -38,6 +52,13 @@ pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
 
 /// Loads a `domain.pddl` without a `domain.toml`, as [`longstep_core::domain::from_pddl`] does, with the default
 /// prompts of this library.
+///
+/// ```
+/// use longstep::{Planner, domain};
+/// let pddl = "(define (domain lamp) (:predicates (lit)) (:action press :effect (lit)))";
+/// let domain = domain::from_pddl("lamp.pddl", pddl).unwrap();
+/// assert_eq!(domain.actions[0].name, "press");
+/// ```
 ///
 /// # Errors
 ///

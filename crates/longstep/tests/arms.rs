@@ -9,6 +9,7 @@
     missing_docs
 )]
 
+use longstep::Clock;
 use longstep::domain::{self, Domain, Files};
 use longstep::report::Assessment;
 use longstep::{goal, report};
@@ -17,22 +18,17 @@ use longstep_core::json::Path;
 use longstep_core::plan::{self, Node};
 use longstep_core::repair::RepairOutcome;
 use longstep_core::schedule;
+use longstep_core::testing;
 use serde_json::{Value, json};
 
 fn dual() -> Domain {
     domain::shipped("household-dual").unwrap().unwrap()
 }
 
-fn world_of(domain: &Domain, environment: &Value) -> World {
-    let text = environment.to_string();
-    let environment = Environment::from_json(&text).unwrap();
-    environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
-}
-
 /// The errors of a plan, and the edits that mend it, each with its reason.
 fn diagnosed(written: &Value) -> (Vec<String>, Vec<String>) {
     let domain = dual();
-    let world = world_of(&domain, &written["environment_before"]);
+    let world = testing::world_of(&domain, &written["environment_before"]);
     let attempt = Assessment::new(&world, plan::read(&written.to_string()).unwrap(), None);
     let verdict = attempt.verdict();
     let messages = verdict
@@ -150,7 +146,7 @@ fn instructions(domain: &Domain) -> Vec<(World, String, String)> {
     let case = |case: &toml::Value| {
         let word = |key: &str| case[key].as_str().unwrap().to_owned();
         let scene = text(&format!("scenes/{}.json", word("scene")));
-        let world = world_of(domain, &serde_json::from_str(&scene).unwrap());
+        let world = testing::world_of(domain, &scene);
         (world, word("says"), word("goal"))
     };
     cases["case"].as_array().unwrap().iter().map(case).collect()
@@ -163,7 +159,7 @@ fn search_solves_the_goal_of_each_two_armed_instruction() {
     assert_eq!(all.len(), 25);
     for (world, says, meant) in all {
         let goal = goal::parse(&world, &meant).unwrap();
-        let solution = report::of_goal(&world, &goal, &says, &longstep::Limits::default(), || 0.0);
+        let solution = report::of_goal(&world, &goal, &says, &longstep::Limits::default(), &Clock::none());
         let plan = solution
             .plan
             .unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
@@ -261,7 +257,7 @@ fn two_robots_share_work_as_two_hands_do() {
     };
     let domain = domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"));
     let both = ["OPEN_TO(ada)", "OPEN_TO(bo)"];
-    let world = world_of(
+    let world = testing::world_of(
         &domain,
         &json!({
             "assets": ["<lobby>", "<office>", "<vault>"],
@@ -271,7 +267,7 @@ fn two_robots_share_work_as_two_hands_do() {
     );
     let told = |wanted: &str| {
         let goal = goal::parse(&world, wanted).unwrap();
-        let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0)
+        let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), &Clock::none())
             .plan
             .unwrap();
         let shared = schedule::share(&world, &plan, &goal.purpose(&world));

@@ -6,6 +6,7 @@ use longstep::report::{Answer, Assessment, Status};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::plan::{self, PlanFile, TaskCohesion, Written, script};
+use longstep_core::testing;
 
 fn kitchen() -> (Domain, World) {
     let domain = domain::shipped("household-checks").unwrap().unwrap();
@@ -14,8 +15,7 @@ fn kitchen() -> (Domain, World) {
         "objects": ["<yoghurt>", "<sponge>"],
         "object_states": {"<yoghurt>": "on_something(<counter>)", "<sponge>": "on_something(<counter>)"}
     }"#;
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "kitchen.json", text, &Path::default()).unwrap();
+    let world = testing::world_of(&domain, text);
     (domain, world)
 }
 
@@ -202,17 +202,9 @@ fn the_published_branching_plan_is_read_and_every_line_of_its_verdict_has_a_reas
             "release_object()",
         ]
     );
-    let domain = domain::shipped("household-checks").unwrap().unwrap();
     let environment = r#"{"assets": ["<table>", "<trash_bin>", "<shelf_top>", "<shelf_bottom>"],
         "objects": ["<spam>"], "object_states": {"<spam>": "on_something(<table>)"}}"#;
-    let world = environment::read(
-        &domain,
-        &Environment::from_json(environment).unwrap(),
-        "env.json",
-        environment,
-        &Path::default(),
-    )
-    .unwrap();
+    let world = testing::world("household-checks", environment);
     let attempt = Assessment::new(&world, draft, None);
     let answer = attempt.verdict();
     // Each step is possible on each way, and the hand is empty at the end of both.

@@ -19,6 +19,7 @@ use longstep_core::plan::{self, PlanFile, TaskCohesion};
 use longstep_core::repair;
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_core::verify::{self, Purpose, Report};
+use longstep_core::testing;
 use serde_json::Value;
 
 fn read(file: &str) -> Value {
@@ -29,12 +30,6 @@ fn read(file: &str) -> Value {
 
 fn domain(name: &str) -> Domain {
     domain::shipped(name).unwrap().unwrap()
-}
-
-fn world_of(domain: &Domain, environment: &Value) -> World {
-    let text = environment.to_string();
-    let environment = Environment::from_json(&text).unwrap();
-    environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The scenes of the household domain, each with its instructions.
@@ -63,7 +58,7 @@ fn recorded_household_plans_verify_and_end_where_they_claim() {
     let domain = domain("household");
     for (name, recorded) in household() {
         let file: PlanFile = serde_json::from_value(recorded.clone()).unwrap();
-        let world = world_of(&domain, &recorded["environment_before"]);
+        let world = testing::world_of(&domain, &recorded["environment_before"]);
         let claimed = file.environment_after.as_ref().unwrap();
         let purpose = Purpose {
             claim: Some(Claim::read(&world, claimed)),
@@ -124,7 +119,7 @@ fn goal_of(world: &World, facts: &Value) -> Goal {
 fn reference_programs_reach_the_goals_of_their_scenarios() {
     let domain = domain("virtualhome");
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
-        let world = world_of(&domain, &scenario["environment"]);
+        let world = testing::world_of(&domain, &scenario["environment"]);
         let written: TaskCohesion = serde_json::from_value(serde_json::json!({
             "task_sequence": scenario["reference"].as_array().unwrap().iter()
                 .map(|s| s.as_str().unwrap().replace("WalkTowards", "Walktowards")).collect::<Vec<_>>(),
@@ -146,9 +141,9 @@ fn reference_programs_reach_the_goals_of_their_scenarios() {
 #[ignore = "needs LONGSTEP_CORPUS"]
 fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
     let domain = domain("virtualhome");
-    let kitchen = world_of(&domain, &read("virtualhome14/kitchen.json"));
+    let kitchen = testing::world_of(&domain, &read("virtualhome14/kitchen.json"));
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
-        for world in [&world_of(&domain, &scenario["environment"]), &kitchen] {
+        for world in [&testing::world_of(&domain, &scenario["environment"]), &kitchen] {
             let goal = goal_of(world, &scenario["goal"]);
             let outcome = search::solve(world, &goal.purpose(world), &Limits::default());
             let Outcome::Solved { plan, shortest, .. } = outcome else {
@@ -213,7 +208,7 @@ fn verdicts_agree_with_the_paper_s_table() {
     let domain = domain("virtualhome");
     let mut agreed = 0;
     for recorded in recorded("recorded_trials.json", "trial") {
-        let world = world_of(&domain, &scenario(recorded.scenario)["environment"]);
+        let world = testing::world_of(&domain, &scenario(recorded.scenario)["environment"]);
         let purpose = purpose_of(&world, &recorded.draft);
         let report = check(&world, &recorded.draft.task_cohesion, &purpose);
         let good = report.violations.is_empty();
@@ -261,7 +256,7 @@ fn repaired(file: &str, number: &str, first_only: bool) -> (usize, usize) {
             continue;
         }
         let scenario = scenario(recorded.scenario);
-        let world = world_of(&domain, &scenario["environment"]);
+        let world = testing::world_of(&domain, &scenario["environment"]);
         let purpose = purpose_of(&world, &recorded.draft);
         let draft = plan::resolve(&world, &recorded.draft.task_cohesion);
         let outcome = repair::repair(&world, &draft, &purpose);
@@ -306,7 +301,7 @@ fn damaged_programs_are_mended() {
     let domain = domain("virtualhome");
     let (mut reached, mut all) = (0, 0);
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
-        let world = world_of(&domain, &scenario["environment"]);
+        let world = testing::world_of(&domain, &scenario["environment"]);
         let calls: Vec<String> = scenario["reference"]
             .as_array()
             .unwrap()
@@ -397,7 +392,7 @@ fn damaged_household_plans_are_mended() {
     let (mut reached, mut all) = (0, 0);
     for (name, recorded) in household() {
         let file: PlanFile = serde_json::from_value(recorded.clone()).unwrap();
-        let world = world_of(&domain, &recorded["environment_before"]);
+        let world = testing::world_of(&domain, &recorded["environment_before"]);
         let purpose = purpose_of(&world, &file);
         let whole = &file.task_cohesion;
         let mut damaged = Vec::new();

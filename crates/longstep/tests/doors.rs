@@ -7,20 +7,19 @@ use longstep_core::json::Path;
 use longstep_core::plan::Plan;
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_core::verify::{Purpose, check};
+use longstep_core::testing;
 
 const DOMAINS: [&str; 3] = ["household", "household-checks", "household-dual"];
 
 /// A kitchen whose fridge and drawer are in these states.
 fn kitchen(name: &str, fridge: &str, drawer: &str) -> World {
-    let domain = domain::shipped(name).unwrap().unwrap();
     let text = format!(
         r#"{{"assets": ["<counter>", "<fridge>", "<drawer>"],
             "objects": ["<cereal>", "<milk>", "<spoon>", "<fridge_handle>", "<drawer_handle>"],
             "object_states": {{"<cereal>": "on_something(<counter>)", "<milk>": "inside_something(<fridge>)",
                 "<spoon>": "inside_something(<drawer>)", "<fridge_handle>": "{fridge}()", "<drawer_handle>": "{drawer}()"}}}}"#
     );
-    let environment = Environment::from_json(&text).unwrap();
-    environment::read(&domain, &environment, "kitchen", &text, &Path::default()).unwrap()
+    testing::world(name, &text)
 }
 
 fn solved(world: &World, wanted: &str) -> (Plan, Purpose) {

@@ -8,6 +8,7 @@ use longstep_core::domain::{self, Domain, Files};
 use longstep_core::environment::{self, Environment, Origin, World};
 use longstep_core::pddl::{object_names, write_problem};
 use longstep_core::search::{Limits, Outcome, solve};
+use longstep_core::testing;
 
 fn files() -> Files {
     Files {
@@ -23,7 +24,7 @@ fn yard() -> Domain {
 }
 
 fn world(environment: &str) -> World {
-    environment::parse(&yard(), "env.json", environment).unwrap()
+    testing::world_of(&yard(), environment)
 }
 
 /// Three pallets, two tubes and two docks.
@@ -258,10 +259,7 @@ fn identifiers_of_any_script_work_everywhere() {
         ],
     );
     let world = world(SCRIPTS);
-    let goal = parse(&world, "bring(<Чашка>, <İstanbul>) & bring(<red box>, <Bay.3-A>)").unwrap();
-    let Outcome::Solved { plan, .. } = solve(&world, &goal.purpose(&world), &Limits::default()) else {
-        panic!()
-    };
+    let plan = testing::plan_for(&world, "bring(<Чашка>, <İstanbul>) & bring(<red box>, <Bay.3-A>)");
     let calls: Vec<String> = plan.steps().iter().map(|step| step.call(&world).to_string()).collect();
     assert_eq!(calls, ["bring(<Чашка>, <İstanbul>)", "bring(<red box>, <Bay.3-A>)"]);
     let explained: Vec<String> = plan.steps().iter().map(|step| step.explanation.clone()).collect();
@@ -285,7 +283,7 @@ fn articles_stand_only_where_a_name_takes_one() {
     let text = r#"{"assets": ["<dock>", "<bay_1>", "<bay_2>"], "objects": ["<crate>", "<tube_A>", "<чашка>", "<p>", "<q>"],
         "names": {"<p>": "Maria", "<q>": "old box"}}"#;
     let check = |domain: &Domain, expected: &[&str]| {
-        let world = environment::parse(domain, "env.json", text).unwrap();
+        let world = testing::world_of(domain, text);
         let names: Vec<String> = world.entities().map(|(id, _)| world.with_article(id)).collect();
         assert_eq!(names, expected);
     };
@@ -411,7 +409,7 @@ fn derivations_by_name_ignore_case_and_labels_and_bind_one_entity() {
     let complete = yard().edited(|data| {
         data.predicate_words.iter_mut().for_each(|words| words.complete = true);
     });
-    let world = environment::parse(&complete, "env.json", text).unwrap();
+    let world = testing::world_of(&complete, text);
     assert_eq!(world.state.iter().count(), 1);
 }
 

@@ -9,6 +9,7 @@ use longstep_core::environment::{self, EntityId, Environment, Moment, State, Wor
 use longstep_core::json::Path;
 use longstep_core::search::{self, Effort, Limits, Outcome, Wanted};
 use longstep_core::verify::{apply, broken_bindings, check, unmet};
+use longstep_core::testing;
 use proptest::prelude::*;
 
 /// Every action with every choice of arguments.
@@ -96,19 +97,12 @@ fn parcels(condition: &str) -> Domain {
 }
 
 fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), TestCaseError> {
-    let environment = Environment::from_json(environment).unwrap();
     let world =
-        environment::read(domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
+        testing::world_of(domain, environment);
     let goal = goal::parse(&world, goal).unwrap();
     let purpose = goal.purpose(&world);
     let expected = brute_force(&world, &purpose.at_end(domain));
-    let limits = Limits {
-        direct: 100_000,
-        proof: 100_000,
-        shortest: 100_000,
-        any: 0,
-        effort: Effort::default(),
-    };
+    let limits = Limits::default().with_direct(100_000).with_proof(100_000).with_shortest(100_000).with_any(0).with_effort(Effort::default());
     match search::solve(&world, &purpose, &limits) {
         Outcome::Solved { plan, shortest, .. } => {
             prop_assert!(shortest);
@@ -120,13 +114,7 @@ fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), Test
         Outcome::GaveUp { why, .. } => prop_assert!(false, "gave up: {}", why),
     }
     // Greedy search alone finds a plan as well, or proves that there is none.
-    let limits = Limits {
-        direct: 0,
-        proof: 0,
-        shortest: 0,
-        any: 100_000,
-        effort: Effort::default(),
-    };
+    let limits = Limits::default().with_direct(0).with_proof(0).with_shortest(0).with_any(100_000).with_effort(Effort::default());
     match search::solve(&world, &purpose, &limits) {
         Outcome::Solved {
             plan,
@@ -198,8 +186,7 @@ fn a_rule_that_is_broken_at_the_start_does_not_forbid_every_plan() {
     let environment = r#"{"assets": ["<desk>", "<gate>"], "asset_states": {"<desk>": "robot_here()"},
         "objects": ["<box>"], "object_states": {"<box>": "carried()"}}"#;
     compare_in(&domain, environment, "bring(box, desk)").unwrap();
-    let environment = Environment::from_json(environment).unwrap();
-    let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let world = testing::world_of(&domain, environment);
     let goal = goal::parse(&world, "bring(box, desk)").unwrap();
     let outcome = search::solve(&world, &goal.purpose(&world), &Limits::default());
     assert!(

@@ -12,6 +12,7 @@
 mod chain;
 
 use chain::{Drawn, Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
+use longstep::Clock;
 use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
 use longstep::domain::Domain;
 use longstep::report;
@@ -20,16 +21,9 @@ use longstep_core::environment::World;
 use serde_json::Value;
 
 fn session(name: &str, domain: Domain, world: World) -> Session {
-    let settings = Settings {
-        strategy: Strategy::Direct,
-        ..Settings::default()
-    };
-    let model = ModelFacts {
-        name: "recorded".to_owned(),
-        kind: ConstraintKind::JsonSchema,
-        context: None,
-    };
-    Session::new(name, domain, world, settings, model, || 0.0)
+    let settings = Settings::default().with_strategy(Strategy::Direct);
+    let model = ModelFacts::new("recorded", ConstraintKind::JsonSchema);
+    Session::new(name, domain, world, settings, model, Clock::none())
 }
 
 #[track_caller]
@@ -151,7 +145,7 @@ fn understood(session: &Session, drawn: &Drawn) -> String {
             serde_json::json!({"question": "", "goals": goals}).to_string()
         }
         Strategy::Direct => {
-            let meant = report::of_goal(world, &drawn.goal, &drawn.words, &longstep::Limits::default(), || 0.0);
+            let meant = report::of_goal(world, &drawn.goal, &drawn.words, &longstep::Limits::default(), &Clock::none());
             serde_json::to_string(&meant.answer.plan).unwrap()
         }
     }
@@ -167,10 +161,7 @@ fn chain_of_instructions(strategy: Strategy) -> Vec<f64> {
     let first = world_of(&domain("virtualhome"), &kitchen);
     let mut recomputed = Recomputation::new(first.environment());
     let mut session = session("virtualhome", domain("virtualhome"), first);
-    session.set_settings(Settings {
-        strategy,
-        ..Settings::default()
-    });
+    session.set_settings(Settings::default().with_strategy(strategy));
     let mut tokens = Vec::new();
     let mut resident = Vec::new();
     let mut sayable = 0;

@@ -26,10 +26,7 @@ impl EnvironmentFile<'_> {
             .into_iter()
             .chain(wrapped)
             .find_map(|path| json::locate(self.text, &path));
-        let diagnostic = Diagnostic {
-            position,
-            ..Diagnostic::whole(self.name, message).hint(hint)
-        };
+        let diagnostic = Diagnostic::whole(self.name, message).hint(hint).with_position(position);
         Finding {
             lint,
             of: vec![identifier.clone()],

@@ -131,6 +131,7 @@ impl Lint {
 
 /// A probable mistake.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Finding {
     /// The kind of mistake.
     pub lint: Lint,

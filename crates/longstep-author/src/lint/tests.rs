@@ -1,5 +1,6 @@
 use super::*;
 use longstep::domain::{load, shipped_files, shipped_names, starter};
+use longstep_core::testing;
 
 fn starter_files() -> Files {
     Files::from_texts("", starter("porter"))
@@ -427,7 +428,7 @@ fn lint_reports_lexicon_names_that_match_nothing() {
         assert_eq!(found.join("; "), expected, "{entry}");
         let json = "{\"environment\": {\"assets\": [\"<desk_1>\"], \"objects\": [\"<box_3>\"]}}";
         let world =
-            longstep_core::environment::parse(&domain, "e.json", json).unwrap_or_else(|findings| panic!("{findings}"));
+            testing::world_of(&domain, json);
         let found = lint_environment(&world, &files, "e.json", json);
         let idle = found.iter().any(|own| own.lint == Lint::IdleName);
         assert_eq!(idle, !entry.starts_with("box ="), "{entry}");

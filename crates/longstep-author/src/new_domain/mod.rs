@@ -45,6 +45,7 @@ const TOO_MUCH: &str = "the searches for examples took all the work that they ma
 
 /// The files of a new domain.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct NewDomain {
     /// Paths within the folder, with their texts.
     pub files: Vec<(String, String)>,
@@ -254,9 +255,10 @@ fn of_author(findings: Diagnostics, pddl_file: &str) -> Diagnostics {
         }
         let hint = finding.hint.take();
         let message = format!("what is made from it does not load: {finding}");
-        Diagnostic {
-            hint,
-            ..Diagnostic::whole(pddl_file, message)
+        let whole = Diagnostic::whole(pddl_file, message);
+        match hint {
+            Some(hint) => whole.hint(hint),
+            None => whole,
         }
     };
     Diagnostics(findings.0.into_iter().map(of_author).collect())

@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::new_domain::wording::capitalized;
+use longstep::Clock;
 use longstep::domain::GoalWordId;
 use longstep::goal::{Goal, GoalFact};
 use longstep::report;
@@ -24,6 +25,7 @@ const SEARCH: u32 = 2;
 
 /// An instruction with a known meaning.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Sample {
     /// The instruction, from the sentence of the plan's last step or of the goal.
     pub instruction: String,
@@ -177,7 +179,7 @@ fn sample(world: &World, facts: Vec<GoalFact>, place: usize, limits: &Limits) ->
     if goal.depends_on_sensing(world.domain()) {
         return None;
     }
-    let plan = report::of_goal(world, &goal, "", limits, || 0.0).plan?;
+    let plan = report::of_goal(world, &goal, "", limits, &Clock::none()).plan?;
     let last = plan.steps().last()?.explanation.clone();
     let named = entities(&goal);
     let mut names = named.iter().map(|id| world.entity(*id).name.as_str());

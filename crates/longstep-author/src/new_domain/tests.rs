@@ -3,6 +3,7 @@
 use super::{Answers, NewDomain, SourceText, from_answers, from_any_pddl, samples};
 use crate::lint::Lint;
 use longstep_core::environment;
+use longstep_core::testing;
 
 const BLOCKS: &str = "(define (domain BLOCKS)
   (:predicates (on ?x ?y) (ontable ?x) (clear ?x) (handempty) (holding ?x))
@@ -118,7 +119,7 @@ fn textbook_domains_become_folders_that_load() {
 fn equal_inputs_give_equal_bytes() {
     assert_eq!(made(GRIPPER, None).files, made(GRIPPER, None).files);
     let new = made(BLOCKS, Some(TOWER));
-    let world = environment::parse(&new.domain, "e.json", text(&new, "environment.json")).unwrap();
+    let world = testing::world_of(&new.domain, text(&new, "environment.json"));
     let said = |seed| {
         samples(&world, 5, seed)
             .into_iter()

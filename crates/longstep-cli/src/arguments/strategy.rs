@@ -40,20 +40,13 @@ pub(crate) enum StrategyArgument {
 
 impl StrategyArguments {
     pub(crate) fn settings(&self) -> Settings {
-        Settings {
-            strategy: match self.strategy {
+        Settings::default().with_strategy(match self.strategy {
                 StrategyArgument::Goal => Strategy::Goal,
                 StrategyArgument::Direct => Strategy::Direct,
-            },
-            repair: match (self.no_repair, self.feedback_first) {
+            }).with_repair(match (self.no_repair, self.feedback_first) {
                 (true, _) => RepairPolicy::Never,
                 (false, true) => RepairPolicy::AfterFeedback,
                 (false, false) => RepairPolicy::First,
-            },
-            rounds: self.rounds,
-            effort: self.effort,
-            partial: self.accept_partial,
-            ..Settings::default()
-        }
+            }).with_rounds(self.rounds).with_effort(self.effort).with_partial(self.accept_partial)
     }
 }

@@ -213,10 +213,7 @@ impl Chat<'_> {
                     .into());
             }
         };
-        self.session.set_settings(Settings {
-            strategy,
-            ..self.session.settings()
-        });
+        self.session.set_settings(self.session.settings().with_strategy(strategy));
         Ok(())
     }
 }

@@ -154,10 +154,7 @@ impl Chat<'_> {
         let mut execution = run::execution(robot.arguments, own, &plan, &aim, teach)?;
         let (body, is_dry) = (own.robot.as_mut(), own.is_dry);
         let path = run::new_log(self.folder.path(), "run")?;
-        let header = RunHeader {
-            dry_run: is_dry,
-            ..RunHeader::new(robot.named, self.session.domain().origin.as_str())
-        };
+        let header = RunHeader::new(robot.named, self.session.domain().origin.as_str()).with_dry_run(is_dry);
         let log = RunLog::create(&path, &header).map_err(|error| Failure::unreadable(error.to_string()))?;
         print_line!("{} {}", format!("Running plan {number}:").bold(), accepted.instruction);
         run::announce(&path, is_dry);

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::arguments::TryArguments;
 use crate::ask::{self, Waiting};
-use crate::clock::stopwatch;
+use crate::clock::clock;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::output::{self, Style, counted, print_line, remark};
@@ -147,7 +147,7 @@ fn understand(
         world.clone(),
         settings,
         facts,
-        stopwatch,
+        clock(),
     );
     session.instruct(&sample.instruction)?;
     let mut waiting = Waiting::new(model.name());

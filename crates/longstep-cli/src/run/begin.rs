@@ -17,7 +17,7 @@ use longstep_robot::{Robot, preflight, reports};
 use super::robot::{Opened, failure};
 use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments, domain_or_default};
 use crate::ask::{self, Waiting};
-use crate::clock::stopwatch;
+use crate::clock::clock;
 use crate::draft::Draft;
 use crate::exit_code::NOT_VALID;
 use crate::failure::Failure;
@@ -71,7 +71,7 @@ fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<
     let world = inputs::world(&domain, env, arguments.rules.as_deref())?;
     let mut model = ask::model(arguments.model.name(), &arguments.model)?;
     let settings = arguments.strategy.settings();
-    let mut session = Session::new(named, domain, world, settings, model.facts(), stopwatch);
+    let mut session = Session::new(named, domain, world, settings, model.facts(), clock());
     session.instruct(instruction)?;
     let mut waiting = Waiting::new(model.name());
     advance(&mut session, model.as_mut(), None, &mut waiting)?;
@@ -150,21 +150,14 @@ fn settings(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> R
         None => Skills::default(),
     };
     observing(robot)?;
-    Ok(Settings {
-        approval: if opened.is_dry {
+    Ok(Settings::default().with_approval(if opened.is_dry {
             Approval::Never
         } else {
             arguments.approve.map_or_else(Approval::default, Approval::from)
-        },
-        trust: if opened.is_dry {
+        }).with_trust(if opened.is_dry {
             // Nothing is observed in a dry run.
             Trust::Promised
         } else {
             arguments.trust.map_or_else(Trust::default, Trust::from)
-        },
-        watch: arguments.observe.map_or_else(Watch::default, Watch::from),
-        changes: arguments.changes.unwrap_or(Settings::default().changes),
-        reports: reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?,
-        skills,
-    })
+        }).with_watch(arguments.observe.map_or_else(Watch::default, Watch::from)).with_changes(arguments.changes.unwrap_or(Settings::default().changes)).with_reports(reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?).with_skills(skills))
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{LookReport, Source, UNCONFIRMED, is_yes, seen};
 use crate::arguments::SeeArguments;
-use crate::clock::stopwatch;
+use crate::clock::clock;
 use crate::failure::{Failure, NOT_VALID};
 use crate::output::{self, print_line};
 use crate::question::ask;
@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &SeeArguments, source: &Source, named: &str) -> Res
         return Err(Failure::unreadable("the session has not begun").into());
     };
     let domain = load_domain(domain)?;
-    let mut session = Session::resume(domain, &log, stopwatch)?.session;
+    let mut session = Session::resume(domain, &log, clock())?.session;
     let seen = seen(arguments, &session.domain().clone(), source)?;
     if !seen.report.contradictions.is_empty() {
         if arguments.json {

@@ -53,13 +53,11 @@ impl StepRecorder {
                 .hint("for example `--recorder \"python3 tracker.py\"`")
         })?;
         let defaults = RecorderLimits::default();
+        let silence = arguments.silence.unwrap_or(defaults.silence);
         signals::stop_runs()?;
         Ok(Some(Self {
             command,
-            limits: RecorderLimits {
-                silence: arguments.silence.unwrap_or(defaults.silence),
-                ..defaults
-            },
+            limits: defaults.with_silence(silence),
             output: arguments.output.clone(),
             digits: steps.to_string().len(),
         }))

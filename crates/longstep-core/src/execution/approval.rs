@@ -14,6 +14,7 @@ const ID_LENGTH: usize = 16;
 
 /// A matter that a person decides.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Proposal {
     /// The id, which [`Execution::approve`] takes.
     pub id: ProposalId,
@@ -74,6 +75,26 @@ impl Execution {
 
     /// Approves what was proposed, and nothing else.
     ///
+    /// ```
+    /// # use longstep_core::environment::{self, Observation};
+    /// # use longstep_core::execution::{Aim, Approval, Execution, ExecutionError, Need, Resumed, Settings, Stop};
+    /// # use longstep_core::{domain, plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
+    /// let mut execution = Execution::new(&plan, &Aim::Endings, Settings::default()).unwrap();
+    /// let Need::Approve(proposal) = execution.next_need() else { panic!() };
+    /// assert_eq!(execution.approve(&proposal.id), Ok(()));
+    /// assert_eq!(execution.approve(&proposal.id), Err(ExecutionError::NothingProposed));
+    ///
+    /// let mut execution = Execution::new(&plan, &Aim::Endings, Settings::default()).unwrap();
+    /// assert_eq!(execution.refuse(), Ok(()));
+    /// assert!(matches!(execution.next_need(), Need::Stopped(Stop::Refused)));
+    /// ```
+    ///
     /// # Errors
     ///
     /// If nothing waits for a decision, or another proposal does. Nothing is approved then.
@@ -98,7 +119,8 @@ impl Execution {
         Ok(())
     }
 
-    /// Refuses what was proposed: the execution stops. A refusal needs no id, for nothing moves because of it.
+    /// Refuses what was proposed: the execution stops. A refusal needs no id, for nothing moves because of it. See the
+    /// example of [`Execution::approve`].
     ///
     /// # Errors
     ///

@@ -27,6 +27,7 @@ pub enum ChangeKind {
 
 /// A change of the rest of a plan.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Change {
     /// How it was found.
     pub kind: ChangeKind,

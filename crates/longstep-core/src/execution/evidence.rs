@@ -221,7 +221,8 @@ impl Execution {
         (!spent.exhausted).then_some(all)
     }
 
-    /// Returns true if the purpose is achieved only if promises or assumptions are true that no look has shown.
+    /// Returns true if the purpose is achieved only if promises or assumptions are true that no look has shown. See the
+    /// example of [`Execution::confirmed`].
     pub fn rests_on_promises(&self) -> bool {
         let rests_on = self.rests_on();
         rests_on.is_none_or(|all| all.iter().any(|own| self.is_unproven(*own)))
@@ -283,6 +284,36 @@ impl Execution {
     }
 
     /// Records the answer of a person to [`Need::Confirm`].
+    ///
+    /// ```
+    /// # use longstep_core::environment::{self, Observation};
+    /// # use longstep_core::execution::{Aim, Approval, Execution, ExecutionError, Need, Resumed, Settings, Stop};
+    /// # use longstep_core::{domain, plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
+    /// let mut execution = Execution::new(&plan, &Aim::Endings, Settings::default()).unwrap();
+    /// assert_eq!(execution.confirmed(true), Err(ExecutionError::NothingProposed));
+    /// let nothing = Observation::default(); // the camera is covered
+    /// let mut questions = Vec::new();
+    /// loop {
+    ///     match execution.next_need() {
+    ///         Need::Approve(proposal) => execution.approve(&proposal.id).unwrap(),
+    ///         Need::Observe => execution.observed(&nothing).unwrap(),
+    ///         Need::Perform(order) => execution.performed(order.number, None).unwrap(),
+    ///         Need::Confirm(unseen) => {
+    ///             questions.push(unseen.what);
+    ///             execution.confirmed(true).unwrap();
+    ///         }
+    ///         Need::Done => break,
+    ///         other => panic!("{other:?}"),
+    ///     }
+    /// }
+    /// assert_eq!(questions, ["the hand holds the pen"]);
+    /// ```
     ///
     /// # Errors
     ///

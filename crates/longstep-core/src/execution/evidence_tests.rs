@@ -1,11 +1,11 @@
 //! Runs whose robots promise what does not happen, see a part of the world, or see nothing.
 
-use super::tests::{fact, household, kitchen, plan, reports};
+use super::tests::{fact, household, kitchen, reports};
 use super::*;
-use longstep_model::domain::{Files, load};
 use longstep_model::environment::{self, EntityId};
 use longstep_model::model::{Moment, apply, holds};
 use longstep_search::goal;
+use longstep_search::testing;
 
 /// A real world with a robot that says that it performed every order.
 struct Robot<'a> {
@@ -81,33 +81,21 @@ impl<'a> Robot<'a> {
 }
 
 fn begin(world: &World, goal: &str, settings: Settings) -> Execution {
-    let settings = Settings {
-        reports: reports(world),
-        ..settings
-    };
-    Execution::new(&plan(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
+    let settings = settings.with_reports(reports(world));
+    Execution::new(&testing::plan_for(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
 }
 
 fn trusting(approval: Approval, trust: Trust) -> Settings {
-    Settings {
-        approval,
-        trust,
-        ..Settings::default()
-    }
+    Settings::default().with_approval(approval).with_trust(trust)
 }
 
 /// The domain of a robot that carries water, with numbers.
 pub(super) fn tank() -> World {
-    let files = Files {
-        pddl: include_str!("../../../longstep-model/tests/domains/tank/domain.pddl").to_owned(),
-        words: include_str!("../../../longstep-model/tests/domains/tank/domain.toml").to_owned(),
-        ..Files::default()
-    };
     let text = r#"{"assets": ["<well>", "<north_tank>"], "asset_states": {
         "<well>": ["here()", "distance(<north_tank>, 40)"],
         "<north_tank>": ["level(0)", "capacity(20)", "distance(<well>, 40)"]},
         "facts": ["bucket(0)", "battery(80)"]}"#;
-    environment::parse(&load(&files).unwrap(), "env.json", text).unwrap()
+    testing::world("tank", text)
 }
 
 #[test]
@@ -154,7 +142,7 @@ fn a_plan_is_not_run_for_a_purpose_that_it_does_not_achieve() {
             Some("Draw(_)"),
         ),
     ] {
-        let plan = plan(world, made_for);
+        let plan = testing::plan_for(world, made_for);
         let aim = Aim::Goal(purpose.to_owned());
         let error = Execution::new(&plan, &aim, Settings::default())
             .err()
@@ -181,10 +169,7 @@ fn execution_counts_only_stages_that_really_happened() {
                 let mut execution = begin(
                     &world,
                     goal,
-                    Settings {
-                        watch,
-                        ..trusting(Approval::Never, trust)
-                    },
+                    trusting(Approval::Never, trust).with_watch(watch),
                 );
                 let idle = [idle];
                 let mut robot = Robot::new(&execution, &idle, None);
@@ -315,7 +300,7 @@ fn execution_observes_again_if_the_goal_is_partly_unseen() {
 #[test]
 fn execution_of_a_plan_without_a_goal_checks_numbers() {
     let world = tank();
-    let plan = plan(&world, "level(north tank) >= 5");
+    let plan = testing::plan_for(&world, "level(north tank) >= 5");
     for idle in [&[][..], &[1], &[2], &[3]] {
         let settings = trusting(Approval::Never, Trust::Observed);
         let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();
@@ -345,7 +330,7 @@ fn resume_infers_an_interrupted_order_from_numbers() {
     let goal = "level(north tank) >= 5";
     for was_done in [false, true] {
         let mut execution = Execution::new(
-            &plan(&world, goal),
+            &testing::plan_for(&world, goal),
             &Aim::Goal(goal.to_owned()),
             trusting(Approval::Never, Trust::Observed),
         )
@@ -434,7 +419,7 @@ fn a_resumed_run_has_the_stricter_approval() {
 fn execution_discards_events_of_steps_without_effect() {
     let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<sponge>"],
         "object_states": {"<sponge>": "on_something(<shelf>)"}}"#;
-    let world = environment::parse(&household(), "env.json", text).unwrap();
+    let world = testing::world("household", text);
     let goal = "wiped(table, sponge) & put(sponge, shelf)";
     for idle in 1..10 {
         let mut execution = begin(&world, goal, trusting(Approval::Never, Trust::Observed));

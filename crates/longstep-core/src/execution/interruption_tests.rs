@@ -1,12 +1,13 @@
 //! Observed facts are kept when the next step fails, when the program is killed, and when others act.
 
 use super::evidence_tests::tank;
-use super::tests::{fact, household, kitchen, plan};
+use super::tests::{fact, household, kitchen};
 use super::*;
 use longstep_model::domain::{Files, from_pddl, load};
 use longstep_model::environment::Observation;
 use longstep_model::model::World;
 use longstep_search::pddl::read_problem;
+use longstep_search::testing;
 
 const DOMAIN: &str = "(define (domain lamps) (:requirements :adl) (:types lamp)
   (:predicates (lit ?x - lamp) (dusty ?x - lamp) (swept))
@@ -21,12 +22,8 @@ fn lamps(init: &str) -> World {
 }
 
 fn begin(world: &World, goal: &str, trust: Trust) -> Execution {
-    let settings = Settings {
-        approval: Approval::Never,
-        trust,
-        ..Settings::default()
-    };
-    Execution::new(&plan(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
+    let settings = Settings::default().with_approval(Approval::Never).with_trust(trust);
+    Execution::new(&testing::plan_for(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
 }
 
 /// Takes the next order.
@@ -198,7 +195,7 @@ fn execution_counts_a_step_as_done_once_its_effect_was_observed() {
         ..Files::default()
     };
     let text = r#"{"objects": ["<north>", "<south>"]}"#;
-    let world = longstep_model::environment::parse(&load(&files).unwrap(), "env.json", text).unwrap();
+    let world = testing::world_of(&load(&files).unwrap(), text);
     let mut execution = begin(&world, "rung(north) then rung(south)", Trust::Observed);
     observe(&mut execution, &[("<north>", ""), ("<south>", "")]);
     let first = order(&mut execution);

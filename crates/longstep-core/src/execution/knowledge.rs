@@ -25,6 +25,7 @@ pub enum Basis {
 
 /// A fact or number that no look of the end of a run has shown, with its basis.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Unseen {
     /// The fact or number as a sentence.
     pub what: String,
@@ -46,7 +47,9 @@ impl Unseen {
     ///
     /// ```
     /// use longstep_core::execution::{Basis, Unseen};
-    /// let unseen = Unseen { what: "the door is closed".to_owned(), basis: Basis::Promised, order: Some(3) };
+    /// let text = r#"{"what": "the door is closed", "basis": "promised", "order": 3}"#;
+    /// let unseen: Unseen = serde_json::from_str(text).unwrap();
+    /// assert_eq!(unseen.basis, Basis::Promised);
     /// assert_eq!(unseen.sentence(), "promised by step 3, not seen since: the door is closed");
     /// ```
     pub fn sentence(&self) -> String {

@@ -61,6 +61,8 @@ use written::messages;
 
 /// A verified plan that is carried out.
 ///
+/// # Example
+///
 /// ```
 /// use longstep_core::environment::{self, ObservedFacts};
 /// use longstep_core::execution::{Aim, Approval, Execution, Need, Settings};
@@ -73,7 +75,7 @@ use written::messages;
 /// let search::Outcome::Solved { plan, .. } = outcome else { panic!() };
 /// let plan = verify::check(&world, plan, &goal.purpose(&world)).into_verified().unwrap();
 ///
-/// let settings = Settings { approval: Approval::Never, ..Settings::default() };
+/// let settings = Settings::default().with_approval(Approval::Never);
 /// let mut execution = Execution::new(&plan, &Aim::Goal("put(pen, shelf)".to_owned()), settings).unwrap();
 /// // A world in which every step works.
 /// let mut real = world.state.clone();
@@ -93,6 +95,7 @@ use written::messages;
 ///     }
 /// }
 /// assert_eq!(execution.after().environment().object_states["<pen>"].as_slice(), ["on_something(<shelf>)"]);
+/// assert!(execution.is_ended() && execution.running().is_empty() && execution.changes() == 0);
 /// ```
 #[derive(Debug, Clone)]
 pub struct Execution {
@@ -165,7 +168,7 @@ enum Phase {
 }
 
 impl Execution {
-    /// Begins to carry out a plan.
+    /// Begins to carry out a plan. Verifies it again, for the purpose of the aim. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -227,27 +230,27 @@ impl Execution {
         Ok(execution)
     }
 
-    /// The world in which the instruction was given.
+    /// Returns the world in which the instruction was given.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The settings.
+    /// Returns the settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// The plan in force.
+    /// Returns the plan in force: that of the beginning, or the last change.
     pub fn plan(&self) -> &VerifiedPlan {
         self.cursor.plan()
     }
 
-    /// The position in the plan in force.
+    /// Returns the position in the plan in force.
     pub fn cursor(&self) -> &Cursor {
         &self.cursor
     }
 
-    /// The state that is known or, where nothing was observed, predicted.
+    /// Returns the state that is known or, where nothing was observed, predicted.
     pub fn state(&self) -> &State {
         self.cursor.state()
     }
@@ -259,22 +262,24 @@ impl Execution {
         ObservedFacts::statements(&self.world, self.state(), &entities, &[])
     }
 
-    /// The orders that are under way.
+    /// Returns the orders that are under way. See the [example](Self#example).
     pub fn running(&self) -> &[StepOrder] {
         &self.running
     }
 
-    /// The number of changes of the plan so far.
+    /// Returns the number of changes of the plan so far. See the [example](Self#example).
     pub fn changes(&self) -> u32 {
         self.changes
     }
 
-    /// Returns the events since the last call. Write them to the log before the next need is met.
+    /// Returns the events since the last call. Write them to the log before the next need is met. See the example of
+    /// [`Execution::resume`].
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.events)
     }
 
-    /// Returns the world after the execution, or after its steps so far, in which the next instruction is given.
+    /// Returns the world after the execution, or after its steps so far, in which the next instruction is given. See
+    /// the [example](Self#example).
     pub fn after(&self) -> World {
         self.world.after_state(self.state())
     }
@@ -299,8 +304,8 @@ impl Execution {
         }
     }
 
-    /// Returns what the execution needs. Steps of several lanes are ordered by several calls; [`Need::Wait`] follows
-    /// them.
+    /// Returns the next input that the execution needs. Steps of several lanes are ordered by several calls; [`Need::Wait`]
+    /// follows them. A change of the plan is searched for here, within the default limits. See the [example](Self#example).
     pub fn next_need(&mut self) -> Need {
         loop {
             match &self.phase {
@@ -349,17 +354,35 @@ impl Execution {
         }
     }
 
-    /// Returns true if nothing is needed any more.
+    /// Returns true if nothing is needed any more. See the [example](Self#example).
     pub fn is_ended(&self) -> bool {
         matches!(self.phase, Phase::Done | Phase::Stopped(_))
     }
 
     /// Stops at a request. Nothing is ordered afterwards; stop the robot first.
+    ///
+    /// ```
+    /// # use longstep_core::environment::{self, Observation};
+    /// # use longstep_core::execution::{Aim, Approval, Execution, ExecutionError, Need, Resumed, Settings, Stop};
+    /// # use longstep_core::{domain, plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
+    /// let settings = Settings::default().with_approval(Approval::Never);
+    /// let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();
+    /// execution.stop("the person pressed stop");
+    /// assert!(matches!(execution.next_need(), Need::Stopped(Stop::Requested(_))));
+    /// assert_eq!(execution.observed(&seen), Err(ExecutionError::Ended));
+    /// ```
     pub fn stop(&mut self, why: &str) {
         self.end(Stop::Requested(why.to_owned()));
     }
 
-    /// Stops because the robot failed, and not only one of its steps.
+    /// Stops because the robot failed, and not only one of its steps. The reason is cut after 1,000 characters. See the
+    /// example of [`Execution::stop`].
     pub fn robot_failed(&mut self, why: &str) {
         self.end(Stop::Robot(why.chars().take(1_000).collect()));
     }

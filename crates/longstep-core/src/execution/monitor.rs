@@ -87,7 +87,7 @@ impl Completed {
 }
 
 impl Execution {
-    /// Takes an observation, which may be partial.
+    /// Takes an observation, which may be partial. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -250,7 +250,7 @@ impl Execution {
         })
     }
 
-    /// Decides about an interrupted order.
+    /// Decides about an interrupted order. See the example of [`Execution::resume`].
     ///
     /// # Errors
     ///

@@ -4,9 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::monitor::Noticed;
 use super::{Proposal, Unseen};
-use longstep_model::model::{ActionId, EntityId, Fact, World};
+use longstep_model::model::{ActionId, EntityId, Fact, World, ground};
 use longstep_search::search::WhyNot;
 use longstep_verify::plan::StepId;
+use longstep_verify::skill::Skills;
+use longstep_verify::verify::VerifiedPlan;
 
 /// The beginning of the sentence for [`Stop::Robot`].
 pub(super) const ROBOT_FAILED: &str = "the robot failed: ";
@@ -43,6 +45,7 @@ pub enum Need {
 
 /// A step that a robot is to perform.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct StepOrder {
     /// The number of the order in the execution, from 1.
     pub number: u64,
@@ -63,6 +66,27 @@ pub struct StepOrder {
 }
 
 impl StepOrder {
+    /// Returns the order for a step of a plan, as an execution gives it if nothing interferes: its number is that of the
+    /// step. For a look at the orders before anything moves.
+    ///
+    /// # Panics
+    ///
+    /// If the plan has no such step.
+    pub fn of_step(plan: &VerifiedPlan, id: StepId, skills: &Skills) -> Self {
+        let (world, step) = (plan.world(), plan.plan().step(id));
+        let senses = &world.domain().action(step.action).senses;
+        Self {
+            number: id.index() as u64 + 1,
+            step: id,
+            lane: step.actor(world.domain()),
+            action: step.action,
+            outcomes: senses.iter().map(|atom| ground(atom, &step.arguments)).collect(),
+            skills: skills.values(world, Some(id), step.action, &step.arguments),
+            arguments: step.arguments.clone(),
+            explanation: step.explanation.clone(),
+        }
+    }
+
     /// Writes the action with all its arguments: `attach(<cup>, <shelf>)`.
     pub fn written(&self, world: &World) -> String {
         super::written::written_step(world, self.action, &self.arguments)

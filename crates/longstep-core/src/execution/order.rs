@@ -76,7 +76,8 @@ impl Execution {
         Ok(self.running.remove(place))
     }
 
-    /// Records that the robot says that it performed a step, with the outcome of a sensing step.
+    /// Records that the robot says that it performed a step, with the outcome of a sensing step. See the
+    /// [example](Self#example).
     ///
     /// # Errors
     ///
@@ -140,7 +141,28 @@ impl Execution {
         self.looks = Looks::default();
     }
 
-    /// Records that the robot could not do a step. The world is observed then.
+    /// Records that the robot could not do a step. The world is observed then. The reason is cut after 500 characters.
+    ///
+    /// ```
+    /// # use longstep_core::environment::{self, Observation};
+    /// # use longstep_core::execution::{Aim, Approval, Execution, ExecutionError, Need, Resumed, Settings, Stop};
+    /// # use longstep_core::{domain, plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
+    /// let settings = Settings::default().with_approval(Approval::Never);
+    /// let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();
+    /// execution.observed(&seen).unwrap();
+    /// let Need::Perform(order) = execution.next_need() else { panic!() };
+    /// execution.failed(order.number, "the arm is stuck").unwrap();
+    /// assert!(matches!(execution.next_need(), Need::Observe));
+    /// execution.observed(&seen).unwrap();
+    /// let Need::Perform(again) = execution.next_need() else { panic!() };
+    /// assert_eq!((again.number, again.explanation), (2, order.explanation));
+    /// ```
     ///
     /// # Errors
     ///

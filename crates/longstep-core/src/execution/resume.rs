@@ -54,6 +54,7 @@ pub enum ResumeError {
 
 /// Settings with which an execution is resumed: they count where they are stricter than those of its log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Resumed {
     /// When a person is asked; none for the setting of the log.
     pub approval: Option<Approval>,
@@ -61,12 +62,58 @@ pub struct Resumed {
     pub trust: Option<Trust>,
 }
 
+impl Resumed {
+    /// Sets when a person is asked; none for the setting of the log.
+    #[must_use]
+    pub fn with_approval(self, approval: impl Into<Option<Approval>>) -> Self {
+        Self {
+            approval: approval.into(),
+            ..self
+        }
+    }
+
+    /// Sets the evidence that progress and the end need; none for the setting of the log.
+    #[must_use]
+    pub fn with_trust(self, trust: impl Into<Option<Trust>>) -> Self {
+        Self {
+            trust: trust.into(),
+            ..self
+        }
+    }
+}
+
 impl Execution {
     /// Takes up an execution again from its log, after a crash, a stop at a request or a failure of the robot.
     ///
-    /// An execution that stopped because the robot failed goes on too. What was done is known. A step that was under way is unknown: the next need is an observation, which shows
-    /// whether it was done, or else a person is asked. Events that the log lacks are returned by
-    /// [`Execution::take_events`].
+    /// An execution that stopped because the robot failed goes on too. What was done is known. A step that was under way is
+    /// unknown: the next need is an observation, which shows whether it was done, or else a person is asked. Events that
+    /// the log lacks are returned by [`Execution::take_events`]. Takes time proportional to the length of the log.
+    ///
+    /// ```
+    /// # use longstep_core::environment::{self, Observation};
+    /// # use longstep_core::execution::{Aim, Approval, Execution, ExecutionError, Need, Resumed, Settings, Stop};
+    /// # use longstep_core::{domain, plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
+    /// let settings = Settings::default().with_approval(Approval::Never);
+    /// let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();
+    /// execution.observed(&seen).unwrap();
+    /// let Need::Perform(order) = execution.next_need() else { panic!() };
+    /// let log = execution.take_events(); // on disk before the robot moves, and the program crashes
+    ///
+    /// let mut resumed = Execution::resume(&household, &log, Resumed::default()).unwrap();
+    /// assert!(matches!(resumed.next_need(), Need::Observe));
+    /// resumed.observed(&seen).unwrap();
+    /// // No observation shows where the hand is: a person has to say whether it moved.
+    /// let Need::Judge(interrupted) = resumed.next_need() else { panic!() };
+    /// assert_eq!(interrupted, order);
+    /// resumed.judged(order.number, true).unwrap();
+    /// assert!(matches!(resumed.next_need(), Need::Perform(_)));
+    /// ```
     ///
     /// # Errors
     ///
@@ -97,7 +144,26 @@ impl Execution {
         Ok(execution)
     }
 
-    /// Repeats the events of a log; the execution is where it was at the last of them.
+    /// Repeats the events of a log; the execution is where it was at the last of them. To go on from there, use
+    /// [`Execution::resume`].
+    ///
+    /// ```
+    /// # use longstep_core::environment::{self, Observation};
+    /// # use longstep_core::execution::{Aim, Approval, Execution, ExecutionError, Need, Resumed, Settings, Stop};
+    /// # use longstep_core::{domain, plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
+    /// let settings = Settings::default().with_approval(Approval::Never);
+    /// let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();
+    /// execution.observed(&seen).unwrap();
+    /// execution.next_need();
+    /// let repeated = Execution::replay(&household, &execution.take_events()).unwrap();
+    /// assert_eq!((repeated.running(), repeated.state()), (execution.running(), execution.state()));
+    /// ```
     ///
     /// # Errors
     ///

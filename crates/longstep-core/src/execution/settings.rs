@@ -44,7 +44,16 @@ pub enum Watch {
 }
 
 /// The settings of an execution.
+///
+/// # Example
+///
+/// ```
+/// use longstep_core::execution::{Approval, Settings, Watch};
+/// let settings = Settings::default().with_approval(Approval::Never).with_watch(Watch::OnFailure);
+/// assert_eq!((settings.approval, settings.changes), (Approval::Never, 8));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Settings {
     /// When a person is asked.
     pub approval: Approval,
@@ -70,5 +79,43 @@ impl Default for Settings {
             reports: Vec::new(),
             skills: Skills::default(),
         }
+    }
+}
+
+impl Settings {
+    /// Sets when a person is asked. See the [example](Self#example).
+    #[must_use]
+    pub fn with_approval(self, approval: Approval) -> Self {
+        Self { approval, ..self }
+    }
+
+    /// Sets the evidence that progress and the end need.
+    #[must_use]
+    pub fn with_trust(self, trust: Trust) -> Self {
+        Self { trust, ..self }
+    }
+
+    /// Sets when the world is observed.
+    #[must_use]
+    pub fn with_watch(self, watch: Watch) -> Self {
+        Self { watch, ..self }
+    }
+
+    /// Sets the number of changes of the plan after which the execution stops.
+    #[must_use]
+    pub fn with_changes(self, changes: u32) -> Self {
+        Self { changes, ..self }
+    }
+
+    /// Sets the predicates that observations list besides the states of entities.
+    #[must_use]
+    pub fn with_reports(self, reports: Vec<PredicateId>) -> Self {
+        Self { reports, ..self }
+    }
+
+    /// Sets the values of skill parameters.
+    #[must_use]
+    pub fn with_skills(self, skills: Skills) -> Self {
+        Self { skills, ..self }
     }
 }

@@ -2,9 +2,7 @@ use super::*;
 use longstep_model::domain;
 use longstep_model::environment::{self, EntityId, fact_of};
 use longstep_model::model::{Domain, Fact, Moment, PredicateId, apply, holds};
-use longstep_search::goal;
-use longstep_search::search::{Limits, Outcome, solve};
-use longstep_verify::verify::{VerifiedPlan, check};
+use longstep_search::testing;
 
 const KITCHEN: &str = r#"{"assets": ["<table>", "<shelf>", "<fridge>", "<bin>"],
     "objects": ["<cup>", "<pen>", "<milk>", "<fridge_handle>"],
@@ -12,20 +10,11 @@ const KITCHEN: &str = r#"{"assets": ["<table>", "<shelf>", "<fridge>", "<bin>"],
         "<milk>": "inside_something(<fridge>)", "<fridge_handle>": "closed()"}}"#;
 
 pub(super) fn household() -> Domain {
-    domain::shipped("household").unwrap().unwrap()
+    testing::domain("household")
 }
 
 pub(super) fn kitchen() -> World {
-    environment::parse(&household(), "env.json", KITCHEN).unwrap()
-}
-
-pub(super) fn plan(world: &World, text: &str) -> VerifiedPlan {
-    let goal = goal::parse(world, text).unwrap();
-    let outcome = solve(world, &goal.purpose(world), &Limits::default());
-    let Outcome::Solved { plan, .. } = outcome else {
-        panic!("{text}: {outcome:?}")
-    };
-    check(world, plan, &goal.purpose(world)).into_verified().unwrap()
+    testing::world("household", KITCHEN)
 }
 
 pub(super) fn fact(world: &World, text: &str) -> Fact {
@@ -146,13 +135,8 @@ pub(super) fn reports(world: &World) -> Vec<PredicateId> {
 }
 
 fn execution(world: &World, goal: &str, watch: Watch) -> Execution {
-    let settings = Settings {
-        approval: Approval::Never,
-        watch,
-        reports: reports(world),
-        ..Settings::default()
-    };
-    Execution::new(&plan(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
+    let settings = Settings::default().with_approval(Approval::Never).with_watch(watch).with_reports(reports(world));
+    Execution::new(&testing::plan_for(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
 }
 
 /// The effects of the differences, and the changes, of a log.
@@ -252,13 +236,9 @@ fn execution_applies_constraints_to_the_changed_plan() {
 #[test]
 fn nothing_that_was_not_approved_is_performed() {
     let world = kitchen();
-    let settings = |approval| Settings {
-        approval,
-        reports: reports(&world),
-        ..Settings::default()
-    };
+    let settings = |approval| Settings::default().with_approval(approval).with_reports(reports(&world));
     let aim = Aim::Goal("put(cup, shelf)".to_owned());
-    let plan = plan(&world, "put(cup, shelf)");
+    let plan = testing::plan_for(&world, "put(cup, shelf)");
     let begin = |approval| Execution::new(&plan, &aim, settings(approval)).unwrap();
     let mut refused = begin(Approval::Changes);
     assert!(matches!(subject(&mut refused), Subject::Plan));
@@ -333,12 +313,9 @@ fn approve(execution: &mut Execution) -> ProposalId {
 #[test]
 fn approval_of_one_change_does_not_approve_another() {
     let world = kitchen();
-    let settings = Settings {
-        reports: reports(&world),
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_reports(reports(&world));
     let aim = Aim::Goal("put(cup, shelf)".to_owned());
-    let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, settings).unwrap();
+    let mut own = Execution::new(&testing::plan_for(&world, "put(cup, shelf)"), &aim, settings).unwrap();
     let of_plan = approve(&mut own);
     let mut real = Real::of(&own, &[]);
     let mut in_the = |place: &str, own: &mut Execution| {
@@ -484,7 +461,7 @@ fn after_a_robot_failed_an_unknown_step_is_observed_or_asked_about() {
 fn resume_after_a_robot_failure_still_asks_for_approval() {
     let world = kitchen();
     let aim = Aim::Goal("put(cup, shelf)".to_owned());
-    let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, Settings::default()).unwrap();
+    let mut own = Execution::new(&testing::plan_for(&world, "put(cup, shelf)"), &aim, Settings::default()).unwrap();
     own.robot_failed("the bridge is gone");
     let log = own.take_events();
     let mut again = Execution::resume(&household(), &log, Resumed::default()).unwrap();
@@ -507,12 +484,9 @@ fn resume_after_a_robot_failure_still_asks_for_approval() {
 #[test]
 fn execution_asks_about_a_step_that_observations_cannot_show() {
     let world = kitchen();
-    let settings = Settings {
-        approval: Approval::Never,
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_approval(Approval::Never);
     let aim = Aim::Goal("put(cup, shelf)".to_owned());
-    let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, settings).unwrap();
+    let mut own = Execution::new(&testing::plan_for(&world, "put(cup, shelf)"), &aim, settings).unwrap();
     let real = Real::of(&own, &[]);
     let seen = real.observation(&world, &[]);
     own.next_need();
@@ -575,9 +549,9 @@ fn execution_sends_skill_values_only_with_their_own_step() {
         name = "move-hand"
         skill = [{ name = "place", type = "point", unit = "m", from = "demonstration" }]"#;
     files.skills = Some(("skills.toml".to_owned(), declared.to_owned()));
-    let world = environment::parse(&domain::load(&files).unwrap(), "env.json", KITCHEN).unwrap();
+    let world = testing::world_of(&domain::load(&files).unwrap(), KITCHEN);
     let goal = "put(milk, table) then closed(fridge)";
-    let plan = plan(&world, goal);
+    let plan = testing::plan_for(&world, goal);
     let calls: Vec<String> = plan.steps().iter().map(|step| step.call(&world).to_string()).collect();
     let moves: Vec<usize> = (0..calls.len())
         .filter(|index| calls[*index].starts_with("move_hand"))
@@ -608,16 +582,8 @@ fn execution_sends_skill_values_only_with_their_own_step() {
         // The plan is changed, or there is none: nothing moves to the handle without its value.
         (vec![(open as u64 + 5, Mishap::Then(&stolen[..]))], None),
     ] {
-        let settings = Settings {
-            reports: reports(&world),
-            skills: skills.clone(),
-            ..Settings::default()
-        };
-        let settings = Settings {
-            approval: Approval::Never,
-            watch: Watch::EachStep,
-            ..settings
-        };
+        let settings = Settings::default().with_reports(reports(&world)).with_skills(skills.clone());
+        let settings = settings.with_approval(Approval::Never).with_watch(Watch::EachStep);
         let mut execution = Execution::new(&plan, &Aim::Goal(goal.to_owned()), settings).unwrap();
         let mut real = Real::of(&execution, &mishaps);
         let end = real.run(&mut execution);

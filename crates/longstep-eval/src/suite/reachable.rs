@@ -1,5 +1,6 @@
 //! The check that the expected goals of a suite can be reached, and do not hold already.
 
+use longstep::Clock;
 use longstep::Limits;
 use longstep::report::{self, Status};
 
@@ -7,6 +8,7 @@ use super::{Case, Step, Suite};
 
 /// An instruction without a plan for any of its expected goals.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Unreached {
     /// The id of the case.
     pub case: String,
@@ -38,6 +40,7 @@ impl std::fmt::Display for Unreached {
 
 /// An expected goal that holds before anything is done, so an answer that does nothing is correct.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Settled {
     /// The id of the case.
     pub case: String,
@@ -66,6 +69,7 @@ impl std::fmt::Display for Settled {
 
 /// The findings about the expected goals of a suite.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct GoalFindings {
     /// The instructions without a plan for any of their goals.
     pub unreached: Vec<Unreached>,
@@ -96,7 +100,7 @@ impl Suite {
             let mut why = Vec::new();
             let mut proven = true;
             for goal in expected.goals() {
-                let solution = report::of_goal(&world, goal, says, limits, || 0.0);
+                let solution = report::of_goal(&world, goal, says, limits, &Clock::none());
                 if let Some(plan) = &solution.plan {
                     if plan.steps().is_empty() {
                         found.settled.push(Settled {

@@ -23,9 +23,10 @@ use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
 use longstep::domain::Domain;
 use longstep::report::{self, Assessment, Status};
 use longstep::session::{ModelFacts, RepairPolicy, Response, Session, Settings, Strategy};
-use longstep::{Limits, VerifiedPlan, World, goal};
+use longstep::{Clock, Limits, VerifiedPlan, World, goal};
 use longstep_core::plan::{self, PlanFile, script};
 use longstep_core::repair::RepairOutcome;
+use longstep_core::testing;
 use longstep_files::cache_directory;
 use longstep_llm::{ModelReference, OpenOptions, Progress, advance, open};
 use serde::Deserialize;
@@ -80,7 +81,7 @@ impl Scene {
             .join(&case.domain);
         let domain = longstep_llm::load_domain(folder.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"));
         let text = std::fs::read_to_string(folder.join(format!("suite/scenes/{}.json", case.scene))).unwrap();
-        let free = longstep_core::environment::parse(&domain, &case.scene, &text).unwrap();
+        let free = testing::world_of(&domain, &text);
         let rules = goal::rules(&free, &case.rule).unwrap_or_else(|error| panic!("{}: {error}", case.rule));
         let bound = free.with_prohibitions(rules);
         let breaking = solve(&free, &case.breaking).unwrap_or_else(|| panic!("no plan for {}", case.breaking));
@@ -108,7 +109,7 @@ impl Scene {
             &goal::parse(&self.free, &self.case.breaking).unwrap(),
             &self.case.says,
             &Limits::default(),
-            || 0.0,
+            &Clock::none(),
         );
         solution.answer.plan
     }
@@ -121,11 +122,7 @@ impl Scene {
     }
 
     fn session(&self, settings: Settings) -> Session {
-        let model = ModelFacts {
-            name: "script".to_owned(),
-            kind: ConstraintKind::JsonSchema,
-            context: None,
-        };
+        let model = ModelFacts::new("script", ConstraintKind::JsonSchema);
         self.session_with(settings, model)
     }
 
@@ -136,7 +133,7 @@ impl Scene {
             self.free.clone(),
             settings,
             model,
-            || 0.0,
+            Clock::none(),
         )
     }
 
@@ -153,7 +150,7 @@ impl Scene {
 
 fn solve(world: &World, text: &str) -> Option<VerifiedPlan> {
     let goal = goal::parse(world, text).unwrap_or_else(|error| panic!("{text}: {error}"));
-    report::of_goal(world, &goal, "", &Limits::default(), || 0.0).plan
+    report::of_goal(world, &goal, "", &Limits::default(), &Clock::none()).plan
 }
 
 #[test]
@@ -203,12 +200,7 @@ fn goal_strategy_obeys_prohibitions() {
 fn direct_strategy_accepts_no_plan_that_breaks_a_prohibition() {
     for repair in [RepairPolicy::First, RepairPolicy::AfterFeedback, RepairPolicy::Never] {
         for scene in scenes() {
-            let settings = Settings {
-                strategy: Strategy::Direct,
-                repair,
-                rounds: 1,
-                ..Settings::default()
-            };
+            let settings = Settings::default().with_strategy(Strategy::Direct).with_repair(repair).with_rounds(1);
             let mut session = scene.session(settings);
             session.add_rule(&scene.case.rule).unwrap();
             scene.answered(&mut session, &serde_json::to_string(&scene.draft()).unwrap());
@@ -223,10 +215,7 @@ fn direct_strategy_accepts_no_plan_that_breaks_a_prohibition() {
 #[test]
 fn direct_strategy_accepts_the_same_reply_without_the_rule() {
     for scene in scenes() {
-        let settings = Settings {
-            strategy: Strategy::Direct,
-            ..Settings::default()
-        };
+        let settings = Settings::default().with_strategy(Strategy::Direct);
         let mut session = scene.session(settings);
         scene.answered(&mut session, &serde_json::to_string(&scene.draft()).unwrap());
         let Response::Plan(proposal) = session.response() else {

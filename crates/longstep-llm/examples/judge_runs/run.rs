@@ -148,10 +148,9 @@ fn settings(wanted: &Value) -> Anyhow<Settings> {
 /// Takes up a run from the lines of its log, which go through a file as those of `longstep run` do.
 fn resumed(domain: &Domain, wanted: &Value, robot: &PipeRobot) -> Result<Execution, (u8, String)> {
     let events = lines(wanted).map_err(|error| (30, error.to_string()))?;
-    let resumed = Resumed {
-        approval: serde_json::from_value(wanted["approval"].clone()).map_err(|error| (30, error.to_string()))?,
-        trust: serde_json::from_value(wanted["trust"].clone()).map_err(|error| (30, error.to_string()))?,
-    };
+    let mut resumed = Resumed::default();
+    resumed.approval = serde_json::from_value(wanted["approval"].clone()).map_err(|error| (30, error.to_string()))?;
+    resumed.trust = serde_json::from_value(wanted["trust"].clone()).map_err(|error| (30, error.to_string()))?;
     let execution = Execution::resume(domain, &events, resumed).map_err(|error| (30, error.to_string()))?;
     let reported = reports(robot, execution.world()).map_err(|error| (30, error.to_string()))?;
     if reported == execution.settings().reports {

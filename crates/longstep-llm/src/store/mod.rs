@@ -23,6 +23,7 @@ pub(crate) use verified::identity;
 
 /// Sources and settings of a pull, besides the cache.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct PullOptions {
     /// A local file; if given, no other source is tried.
     pub from: Option<PathBuf>,
@@ -54,6 +55,15 @@ impl PullOptions {
             pip_environment: Vec::new(),
             patience: Duration::from_secs(60),
             stop: StopFlag::default(),
+        }
+    }
+
+    /// Sets a local file, in place of every other source.
+    #[must_use]
+    pub fn with_from(self, from: impl Into<Option<PathBuf>>) -> Self {
+        Self {
+            from: from.into(),
+            ..self
         }
     }
 }

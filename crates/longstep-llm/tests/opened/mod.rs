@@ -12,10 +12,6 @@ pub(crate) fn model() -> Box<dyn ChatModel> {
     let adapters = std::env::var_os("LONGSTEP_ADAPTERS").map_or(AdapterChoice::Catalogue, |files| {
         AdapterChoice::Files(std::env::split_paths(&files).collect())
     });
-    let options = OpenOptions {
-        adapters,
-        threads: Some(threads),
-        ..OpenOptions::new(cache_directory().unwrap())
-    };
+    let options = OpenOptions::new(cache_directory().unwrap()).with_adapters(adapters).with_threads(Some(threads));
     open(&reference, &options, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -54,6 +54,7 @@ pub fn from_pddl_for(file: &str, text: &str, problem: &str) -> Result<Domain, Di
 
 /// A domain file of any origin, as this library reads it.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct ForeignDomain {
     /// The domain, with PDDL's own wording.
     pub domain: Domain,

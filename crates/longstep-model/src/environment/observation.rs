@@ -34,7 +34,7 @@ pub struct Observation {
     /// The states of each entity that was seen, by identifier, as in an environment file.
     #[serde(default)]
     pub states: IndexMap<String, Words>,
-    /// Statements without a subject, as `facts` of an environment, and all facts of the reported predicates:
+    /// Observation without a subject, as `facts` of an environment, and all facts of the reported predicates:
     /// `hand-at(<cup>)`. None if they were not observed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facts: Option<Vec<String>>,
@@ -480,13 +480,13 @@ fn alone(world: &World, reports: &[PredicateId], text: &str) -> Option<Statement
 mod tests {
     use super::*;
     use crate::{domain, environment};
+    use crate::testing;
 
     const WORLD: &str = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>", "<pen>", "<shelf_handle>"],
         "object_states": {"<cup>": "on_something(<table>)", "<pen>": "on_something(<table>)", "<shelf_handle>": "closed()"}}"#;
 
     fn world() -> World {
-        let household = domain::shipped("household").unwrap().unwrap();
-        environment::parse(&household, "env.json", WORLD).unwrap()
+        testing::world("household", WORLD)
     }
 
     fn reported(world: &World) -> Vec<PredicateId> {

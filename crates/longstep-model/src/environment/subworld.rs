@@ -122,10 +122,8 @@ impl Environment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::shipped;
-    use crate::environment::read;
-    use crate::json::Path;
     use crate::model::fact_text;
+    use crate::testing;
 
     const TEXT: &str = r#"{"assets": ["<hut>", "<loft>"], "objects": ["<rope_1>", "<rope_2>", "<loft_handle>", "<axe>"],
         "object_states": {"<rope_1>": "on_something(<hut>)", "<rope_2>": ["inside_something(<loft>)"],
@@ -134,15 +132,8 @@ mod tests {
 
     #[track_caller]
     fn check(keep: &[&str], environment: &str, facts: &[&str]) {
-        let domain = shipped("household").unwrap().unwrap();
-        let whole = read(
-            &domain,
-            &Environment::from_json(TEXT).unwrap(),
-            "",
-            "",
-            &Path::default(),
-        )
-        .unwrap();
+        let domain = testing::domain("household");
+        let whole = testing::world_of(&domain, TEXT);
         let ids: Vec<EntityId> = keep.iter().map(|identifier| whole.find(identifier).unwrap()).collect();
         let part = whole.narrowed(&ids);
         assert_eq!(serde_json::to_string(part.environment()).unwrap(), environment);

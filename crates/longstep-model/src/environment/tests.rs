@@ -4,9 +4,10 @@ use super::*;
 use crate::domain;
 use crate::json::Path;
 use crate::model::Domain;
+use crate::testing;
 
 fn household() -> Domain {
-    domain::shipped("household").unwrap().unwrap()
+    testing::domain("household")
 }
 
 #[track_caller]
@@ -65,7 +66,7 @@ fn check_names(identifiers: &[&str], expected: &[&str]) {
         objects: identifiers.iter().map(|name| (*name).to_owned()).collect(),
         ..Environment::default()
     };
-    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let domain = testing::domain("virtualhome");
     let world = read(&domain, &environment, "env.json", "", &Path::default()).unwrap();
     let names: Vec<_> = world.entities().map(|(_, entity)| entity.name.as_str()).collect();
     assert_eq!(names, expected);

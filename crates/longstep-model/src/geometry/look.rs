@@ -15,6 +15,7 @@ const WORK: u64 = 4 * effort::OPERATION;
 
 /// An environment that was found in a scene.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Look {
     /// The environment.
     pub environment: Environment,
@@ -30,6 +31,7 @@ pub struct Look {
 
 /// A statement and its reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Reason {
     /// The entity of the entry.
     pub subject: String,
@@ -41,6 +43,7 @@ pub struct Reason {
 
 /// A box whose list was not given.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Assumed {
     /// The name of the box.
     pub name: String,

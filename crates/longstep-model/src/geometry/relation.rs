@@ -25,6 +25,7 @@ pub(super) enum Found {
 
 /// A box that fits no world, or several.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SceneFinding {
     /// The kind.
     pub kind: SceneFindingKind,
@@ -36,6 +37,7 @@ pub struct SceneFinding {
 
 /// The kind of a [`SceneFinding`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum SceneFindingKind {
     /// A box is above the floor, and nothing carries it.
     Floating,

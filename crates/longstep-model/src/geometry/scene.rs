@@ -182,6 +182,7 @@ pub struct Hand {
 /// Tolerances of the relations between boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[non_exhaustive]
 pub struct Tolerances {
     /// The largest gap between touching faces, and the largest depth to which they are in each other, in metres.
     pub contact: f64,

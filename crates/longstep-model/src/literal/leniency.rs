@@ -5,6 +5,7 @@ use crate::json::Path;
 
 /// A deviation from the plan format that the reader accepted.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Leniency {
     /// The kind of deviation.
     pub kind: LeniencyKind,

@@ -27,6 +27,8 @@ pub struct Atom {
 }
 
 /// A condition in negation normal form: negation applies only to atoms and equalities.
+///
+/// Exhaustive on purpose: code that does not know a new condition would be wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Condition {
     /// Conjunction; true if empty.

@@ -178,10 +178,11 @@ impl Trait {
 mod tests {
     use super::*;
     use crate::environment::parse;
+    use crate::testing;
 
     #[track_caller]
     fn check(states: &str, expected: &[&str]) {
-        let household = crate::domain::shipped("household").unwrap().unwrap();
+        let household = testing::domain("household");
         let text = format!(
             r#"{{"assets": ["<table>", "<shelf>"], "objects": ["<cup_1>", "<cup_2>", "<cup_3>"], "object_states": {states}}}"#
         );

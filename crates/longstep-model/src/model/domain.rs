@@ -413,6 +413,7 @@ impl GoalWord {
 
 /// The cost of each edit of a draft in repair; keeping an applicable step is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RepairCosts {
     /// Inserting a step.
     pub insert: u32,
@@ -490,6 +491,7 @@ impl From<DomainData> for Domain {
 
 /// The content of a [`Domain`].
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct DomainData {
     /// The name.
     pub name: String,

@@ -76,6 +76,7 @@ struct Wrapped {
 /// A text that is no environment.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}{}", place(.position))]
+#[non_exhaustive]
 pub struct EnvironmentError {
     /// The mistake.
     pub message: String,

@@ -273,10 +273,11 @@ impl Entity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing;
 
     #[track_caller]
     fn check_names(identifiers: &[&str], expected: &[&str]) {
-        let household = crate::domain::shipped("household").unwrap().unwrap();
+        let household = testing::domain("household");
         check_given(&household, identifiers, &[], expected);
     }
 
@@ -299,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_given_name_is_shown_and_means_no_other_entity() {
-        let household = crate::domain::shipped("household").unwrap().unwrap();
+        let household = testing::domain("household");
         let check = |identifiers: &[&str], given: &[(&str, &str)], expected: &[&str]| {
             check_given(&household, identifiers, given, expected);
         };

@@ -13,6 +13,7 @@ use super::{ActionId, Condition, EntityId, Rule, RuleTime, Template, World};
 /// A world holds the prohibitions in force ([`World::with_prohibitions`]), so no plan for it is bound, found, repaired
 /// or verified without them.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Prohibition {
     /// The prohibition in the goal language, with identifiers: `never closed(<fridge>)`.
     pub written: String,

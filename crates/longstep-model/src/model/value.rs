@@ -52,6 +52,7 @@ pub struct Value {
 /// The error for a quantity outside the range of its type.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, thiserror::Error)]
 #[error("`{written}` is {relation} `{bound}`, the limit for a {kind}")]
+#[non_exhaustive]
 pub struct OutOfRange {
     /// The quantity.
     pub written: String,
@@ -275,10 +276,11 @@ fn unit_at(text: &str, unit: &str) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing;
 
     /// A domain with a temperature, a duration, a volume, a count and a message.
     fn domain() -> Domain {
-        let household = crate::domain::shipped("household").unwrap().unwrap();
+        let household = testing::domain("household");
         household.edited(|data| {
             let mut quantity = |name: &str, unit: &str, units: &[(&str, &str)], range: [Option<&str>; 2]| {
                 let number = |text: &str| Number::parse(text).unwrap();

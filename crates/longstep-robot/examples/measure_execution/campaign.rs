@@ -141,11 +141,7 @@ pub struct Run {
 /// Runs a case with this number of mishaps.
 pub fn monitored(case: &Case, seed: u64, faults: u32) -> Run {
     let mut sim = sim(case, seed, faults, "");
-    let settings = Settings {
-        approval: Approval::Changes,
-        reports: reports(&sim, &case.world).unwrap(),
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_approval(Approval::Changes).with_reports(reports(&sim, &case.world).unwrap());
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
     let mut watcher = Approving::default();
     let request = StopRequest::of(&sim);
@@ -330,10 +326,7 @@ pub fn in_lanes(case: &Case, seed: u64, faults: u32) -> LaneRun {
         }
     }
     let mut sim = sim(case, seed, faults, ",ticks=20");
-    let settings = Settings {
-        reports: reports(&sim, &case.world).unwrap(),
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_reports(reports(&sim, &case.world).unwrap());
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
     let (mut watcher, request) = (Counting(0), StopRequest::of(&sim));
     let stop = drive(&mut execution, &mut sim, &mut watcher, &request);
@@ -348,11 +341,7 @@ pub fn in_lanes(case: &Case, seed: u64, faults: u32) -> LaneRun {
 /// Returns the time that the execution itself takes for each step of a run without mishaps.
 pub fn costs(case: &Case) -> Vec<Duration> {
     let mut sim = sim(case, 0, 0, "");
-    let settings = Settings {
-        approval: Approval::Never,
-        reports: reports(&sim, &case.world).unwrap(),
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_approval(Approval::Never).with_reports(reports(&sim, &case.world).unwrap());
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
     let (mut costs, mut spent) = (Vec::new(), Duration::ZERO);
     loop {

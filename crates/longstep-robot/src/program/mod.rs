@@ -30,6 +30,7 @@ pub struct CommandLine {
 
 /// Reason why a text is no command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CommandLineError {
     /// A quote has no end, or nothing follows a backslash.
     #[error("a quote or a backslash at its end is not complete")]

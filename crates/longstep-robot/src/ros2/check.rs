@@ -17,6 +17,7 @@ const NAMED: usize = 5;
 
 /// The differences between a configuration and a domain.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Checked {
     /// Errors, sorted.
     pub mismatches: Vec<Diagnostic>,

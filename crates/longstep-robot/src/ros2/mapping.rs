@@ -256,6 +256,7 @@ fn is_rejection(reason: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use longstep_core::domain;
+    use longstep_core::testing;
 
     use super::*;
     use crate::order::ArgumentValue;
@@ -285,7 +286,7 @@ aborted = "stop"
 "#;
 
     fn mapping() -> Mapping {
-        let household = domain::shipped("household").unwrap().unwrap();
+        let household = testing::domain("household");
         Mapping::new(Configuration::parse("robot.toml", ROBOT).unwrap(), &household)
     }
 
@@ -325,7 +326,7 @@ aborted = "stop"
     #[test]
     fn values_are_written_as_numbers_and_texts() {
         let text = ROBOT.replace("{arguments}", "{tool|number} {tool|unit}: {place|text}");
-        let household = domain::shipped("household").unwrap().unwrap();
+        let household = testing::domain("household");
         let mapping = Mapping::new(Configuration::parse("robot.toml", &text).unwrap(), &household);
         let mut order = Order::new(1, "wipe", ["180 s", "\"hello\""]);
         assert!(

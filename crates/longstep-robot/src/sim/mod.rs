@@ -66,6 +66,7 @@ pub struct Sim {
 
 /// The counts of a simulator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct SimCounts {
     /// Orders whose precondition did not hold when they were started.
     pub inapplicable: u64,

@@ -8,6 +8,7 @@ use super::mishap::Mishap;
 
 /// The options of a [`Sim`](super::Sim).
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SimOptions {
     /// The seed of everything that is random.
     pub seed: u64,

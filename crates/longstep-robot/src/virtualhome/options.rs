@@ -21,6 +21,7 @@ const LONGEST: u64 = 3_600;
 /// # Ok::<(), longstep_robot::virtualhome::VirtualHomeOptionsError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct VirtualHomeOptions {
     /// The address of the simulator.
     pub url: String,

@@ -5,31 +5,12 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use longstep_core::environment::World;
 use longstep_core::execution::{Aim, Approval, Event, Execution, StepOrder, Proposal, Settings, Stop, Unseen};
-use longstep_core::search::{self, Outcome};
-use longstep_core::verify::{self, VerifiedPlan};
-use longstep_core::{domain, environment, goal};
+use longstep_core::verify::VerifiedPlan;
 use longstep_robot::{Robot, StopRequest, Watcher, drive, reports};
 
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-pub fn world_of(domain: &str, text: &str) -> World {
-    let domain = domain::shipped(domain).unwrap().unwrap();
-    environment::parse(&domain, "env.json", text).unwrap()
-}
-
-pub fn planned(world: &World, text: &str) -> VerifiedPlan {
-    let goal = goal::parse(world, text).unwrap();
-    let outcome = search::solve(world, &goal.purpose(world), &search::Limits::default());
-    let Outcome::Solved { plan, .. } = outcome else {
-        panic!("no plan for {text}: {outcome:?}");
-    };
-    verify::check(world, plan, &goal.purpose(world))
-        .into_verified()
-        .unwrap()
 }
 
 /// Keeps the events, and agrees to everything.
@@ -57,11 +38,7 @@ impl Watcher for Keeping {
 
 /// Carries out a plan; returns the events and the reason of a stop.
 pub fn carried_out(plan: &VerifiedPlan, aim: &Aim, robot: &mut dyn Robot) -> (Execution, Vec<Event>, Option<Stop>) {
-    let settings = Settings {
-        approval: Approval::Never,
-        reports: reports(robot, plan.world()).unwrap(),
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_approval(Approval::Never).with_reports(reports(robot, plan.world()).unwrap());
     let mut execution = Execution::new(plan, aim, settings).unwrap();
     let (mut watcher, request) = (Keeping::default(), StopRequest::of(robot));
     let stop = drive(&mut execution, robot, &mut watcher, &request);

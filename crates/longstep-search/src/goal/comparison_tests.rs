@@ -3,20 +3,15 @@
 use super::{GoalFact, parse, rules};
 use crate::pddl::{read_problem, write_problem};
 use crate::search::{Limits, Missing, Outcome, solve, why_not};
+use crate::testing;
 use longstep_model::diagnostic::Diagnostics;
-use longstep_model::domain::{Files, load};
 use longstep_model::environment;
 use longstep_model::model::{Domain, Number, World};
 use longstep_verify::plan::{Plan, Step};
 use longstep_verify::verify::{Purpose, check};
 
 fn tank() -> Domain {
-    load(&Files {
-        pddl: include_str!("../../../longstep-model/tests/domains/tank/domain.pddl").to_owned(),
-        words: include_str!("../../../longstep-model/tests/domains/tank/domain.toml").to_owned(),
-        ..Files::default()
-    })
-    .unwrap()
+    testing::domain("tank")
 }
 
 const PLACES: &str = r#""assets": ["<well>", "<dock>", "<north_tank>", "<south_tank>"]"#;
@@ -293,7 +288,7 @@ fn problems_with_numbers_are_written_and_read_back() {
     // The ranges of the domain are rules on every state, which a problem cannot say.
     assert!(write_problem(&world, &goal.purpose(&world), "p").is_err());
     let domain = tank().edited(|data| data.rules.clear());
-    let world = environment::parse(&domain, "env.json", &environment_text("80", "0")).unwrap();
+    let world = testing::world_of(&domain, &environment_text("80", "0"));
     let text = write_problem(&world, &goal.purpose(&world), "p").unwrap();
     for part in [
         "(= (level north_tank) 0)",

@@ -3,6 +3,7 @@
 use super::parse;
 use crate::pddl::{read_problem, write_plan};
 use crate::search::{Limits, Outcome, solve};
+use crate::testing;
 use longstep_model::domain::{Files, from_pddl, load};
 use longstep_model::environment;
 use longstep_model::model::{Condition, State, World};
@@ -80,7 +81,7 @@ fn trays() -> World {
     .unwrap_or_else(|error| panic!("{error}"));
     let text = r#"{"assets": ["<tray>", "<desk>"], "objects": ["<cup>", "<mug>"], "object_states": {},
         "names": {"<mug>": "item"}}"#;
-    environment::parse(&domain, "env.json", text).unwrap()
+    testing::world_of(&domain, text)
 }
 
 fn planned(world: &World, text: &str) -> String {

@@ -2,17 +2,17 @@
 
 use super::{Goal, parse, rules};
 use crate::search::{Limits, Outcome, solve};
+use crate::testing;
 use longstep_model::model::World;
 use longstep_verify::verify::check;
 
 fn kitchen() -> World {
-    let household = longstep_model::domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<shelf>", "<sink>", "<fridge>"],
         "objects": ["<plate_1>", "<plate_2>", "<plate_3>", "<wine_glass>", "<glass>", "<vase>", "<fridge_handle>", "<all_purpose_cleaner>"],
         "object_states": {"<plate_1>": "on_something(<table>)", "<plate_2>": "on_something(<table>)",
             "<plate_3>": "on_something(<shelf>)", "<wine_glass>": "on_something(<table>)", "<glass>": "on_something(<shelf>)",
             "<vase>": "on_something(<table>)", "<all_purpose_cleaner>": "on_something(<shelf>)", "<fridge_handle>": "closed()"}}"#;
-    longstep_model::environment::parse(&household, "env.json", text).unwrap()
+    testing::world("household", text)
 }
 
 #[test]
@@ -136,9 +136,8 @@ fn a_group_stands_for_its_members() {
 /// In a domain with an action that is called like a goal word, too.
 #[test]
 fn a_prohibition_leaves_out_members_that_its_goal_does_not_take() {
-    let virtualhome = longstep_model::domain::shipped("virtualhome").unwrap().unwrap();
     let text = r#"{"assets": ["<stove_5>"], "objects": ["<mug_6>", "<plate_7>"]}"#;
-    let world = longstep_model::environment::parse(&virtualhome, "env.json", text).unwrap();
+    let world = testing::world("virtualhome", text);
     let goal = parse(&world, "never put(<plate_7>, top of all thing)").unwrap();
     assert_eq!(goal.exact(&world), ["never put(<plate_7>, top of <stove_5>)"]);
 }

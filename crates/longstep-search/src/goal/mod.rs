@@ -48,6 +48,8 @@ use longstep_verify::message::GoalSentences;
 use longstep_verify::verify::{Purpose, Waiver};
 
 /// One part of a goal.
+///
+/// Exhaustive on purpose: code that does not know a new kind of goal would be wrong.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum GoalFact {
     /// A goal word of the domain with its arguments.

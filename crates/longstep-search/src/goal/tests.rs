@@ -3,6 +3,7 @@
 use super::{Goal, parse};
 use crate::pddl::{read_problem, write_plan};
 use crate::search::{Limits, Outcome, solve, why_not};
+use crate::testing;
 use longstep_model::domain::from_pddl;
 use longstep_model::model::World;
 use longstep_verify::verify::check;
@@ -186,11 +187,10 @@ fn an_unsolvable_goal_has_reasons() {
 
 #[test]
 fn a_fact_that_nothing_brings_about_is_named() {
-    let household = longstep_model::domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<window>", "<box>"], "objects": ["<cup>", "<box_lid>", "<pot>", "<pot_lid>"],
         "object_states": {"<cup>": "on_something(<table>)", "<box_lid>": "closed()", "<pot>": "on_something(<table>)",
             "<pot_lid>": "closed()"}}"#;
-    let world = longstep_model::environment::parse(&household, "scene", text).unwrap();
+    let world = testing::world("household", text);
     for (text, expected) in [
         ("opened(table)", "the table is open"),
         ("on_something(cup, cup) & put(pot, box)", "the cup"),
@@ -206,7 +206,6 @@ fn a_fact_that_nothing_brings_about_is_named() {
 /// A goal is kept and read again with identifiers, which environments choose.
 #[test]
 fn goals_with_any_identifier_are_read_again() {
-    let household = longstep_model::domain::shipped("household").unwrap().unwrap();
     for identifier in [
         "<all cups>",
         "all cups",
@@ -234,7 +233,7 @@ fn goals_with_any_identifier_are_read_again() {
         "me",
     ] {
         let text = serde_json::json!({"assets": ["<table>"], "objects": [identifier]}).to_string();
-        let world = longstep_model::environment::parse(&household, "env.json", &text).unwrap();
+        let world = testing::world("household", &text);
         let object = world.find(identifier).unwrap();
         let name = world.entity(object).name.clone();
         let goal = parse(&world, &format!("put({name}, table)"))

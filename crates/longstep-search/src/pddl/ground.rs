@@ -16,6 +16,7 @@ use longstep_verify::verify::Purpose;
 
 /// A planning task without variables: a domain, its only problem, and the step for each of its actions.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct GroundTask {
     /// The PDDL domain.
     pub domain: String,
@@ -264,14 +265,14 @@ impl<'a> Writer<'a> {
 mod tests {
     use super::*;
     use crate::goal;
+    use crate::testing;
     use longstep_model::{domain, environment};
 
     #[test]
     fn a_goal_with_sensing_is_refused_and_others_name_each_step_once() {
-        let checks = domain::shipped("household-checks").unwrap().unwrap();
         let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<milk>"],
             "object_states": {"<milk>": "on_something(<table>)"}}"#;
-        let world = environment::parse(&checks, "env.json", text).unwrap();
+        let world = testing::world("household-checks", text);
         let write = |text: &str| {
             let goal = goal::parse(&world, text).unwrap();
             GroundTask::write(&world, &goal.purpose(&world), "task")

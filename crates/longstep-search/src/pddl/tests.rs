@@ -1,6 +1,9 @@
 use super::*;
 use crate::goal;
 use crate::search::{Limits, Outcome, solve};
+use crate::testing;
+use longstep_model::domain::{self};
+use longstep_model::environment::{self};
 use longstep_model::json::Path;
 use longstep_model::model::{Domain, Environment};
 use longstep_model::{domain, environment};
@@ -192,10 +195,8 @@ fn problems_and_domains_of_others_are_read_together() {
 
 #[test]
 fn names_are_legal_and_tell_entities_apart() {
-    let household = domain::shipped("household").unwrap().unwrap();
     let environment = r#"{"assets": ["<Shelf Top>", "<shelf_top>", "shelf_top", "<7up>", "<café>", "<shelf_top-2>"]}"#;
-    let environment = Environment::from_json(environment).unwrap();
-    let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
+    let world = testing::world("household", environment);
     assert_eq!(
         object_names(&world),
         [
@@ -215,10 +216,9 @@ fn check_round_trip(domain: &str, environment: &str, goals: &[&str]) {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../");
     let read = |path: &str| std::fs::read_to_string(format!("{root}{path}")).unwrap();
     let pddl = read(&format!("crates/longstep-model/domains/{domain}/domain.pddl"));
-    let domain = domain::shipped(domain).unwrap().unwrap();
+    let domain = testing::domain(domain);
     let text = read(&format!("examples/environments/{environment}.json"));
-    let environment = Environment::from_json(&text).unwrap();
-    let world = environment::read(&domain, &environment, "", &text, &Path::default()).unwrap();
+    let world = testing::world_of(&domain, &text);
     let bare = domain::from_pddl("domain.pddl", &pddl).unwrap();
     let length = |outcome| match outcome {
         Outcome::Solved { plan, .. } => Some(plan.steps().len()),
@@ -266,12 +266,11 @@ fn problems_that_are_written_mean_the_same_when_read_back() {
 
 #[test]
 fn problem_writer_rejects_rules_for_every_state() {
-    let domain = domain::shipped("household").unwrap().unwrap().edited(|data| {
+    let domain = testing::domain("household").edited(|data| {
         let rule = data.rules.iter_mut().find(|rule| rule.name == "one-hand").unwrap();
         rule.time = longstep_model::domain::RuleTime::Always;
     });
-    let environment = Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>", "<jug>"]}"#).unwrap();
-    let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let world = testing::world_of(&domain, r#"{"assets": ["<table>"], "objects": ["<cup>", "<jug>"]}"#);
     let error = write_problem(&world, &Purpose::default(), "p").unwrap_err();
     assert_eq!(
         error.to_string(),

@@ -22,6 +22,7 @@ pub enum EditKind {
 
 /// One change to a draft.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Edit {
     /// The kind of change.
     pub kind: EditKind,

@@ -44,6 +44,8 @@ const SEARCH_EFFORT: u64 = 24_000_000;
 const PROOF: usize = 200;
 
 /// Result of a repair.
+///
+/// Exhaustive on purpose: code that does not know a new outcome would be wrong.
 #[derive(Debug, Clone)]
 pub enum RepairOutcome {
     /// The draft is valid.
@@ -71,6 +73,7 @@ pub enum RepairOutcome {
 
 /// A repaired plan.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Repaired {
     /// The plan.
     pub plan: VerifiedPlan,

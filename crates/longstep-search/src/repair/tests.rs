@@ -8,6 +8,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::goal;
 use crate::search::{self, Limits};
+use crate::testing;
 use longstep_model::domain::{self, Files};
 use longstep_model::environment::{self, Claim};
 use longstep_model::json::Path;
@@ -20,11 +21,6 @@ const KITCHEN: &str = r#"{
     "objects": ["<pie_4>", "<mug_5>", "<plate_6>"],
     "object_states": {"<pie_4>": ["ON(<desk_1>)"], "<mug_5>": ["INSIDE(<oven_2>)"], "<plate_6>": ["ON(<desk_1>)"]},
     "asset_properties": {"<oven_2>": ["IS_OPENABLE"], "<desk_1>": ["NOT_OPENABLE"], "<sink_3>": ["NOT_OPENABLE"]}}"#;
-
-fn world_of(domain: &Domain, text: &str) -> World {
-    let environment = Environment::from_json(text).unwrap();
-    environment::read(domain, &environment, "env.json", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn written(calls: &[&str]) -> TaskCohesion {
     TaskCohesion {
@@ -52,8 +48,7 @@ fn claim(world: &World, entries: &[(&str, &str)]) -> Option<Claim> {
 
 #[track_caller]
 fn check(calls: &[&str], claimed: &[(&str, &str)], expected: &[&str]) {
-    let domain = domain::shipped("virtualhome").unwrap().unwrap();
-    let world = world_of(&domain, KITCHEN);
+    let world = testing::world("virtualhome", KITCHEN);
     let purpose = Purpose {
         claim: claim(&world, claimed),
         ..Purpose::default()
@@ -151,8 +146,7 @@ fn repair_reports_unclear_steps_instead_of_guessing() {
              the world is to be afterwards\" }",
         ],
     );
-    let domain = domain::shipped("household").unwrap().unwrap();
-    let world = world_of(&domain, r#"{"objects": ["<cup>"], "object_states": {}}"#);
+    let world = testing::world("household", r#"{"objects": ["<cup>"], "object_states": {}}"#);
     let draft = TaskCohesion {
         object_name: Some("<pear>".to_owned()),
         ..written(&["grasp_object()"])
@@ -188,8 +182,7 @@ fn repair_keeps_steps_that_have_an_effect() {
 
 #[test]
 fn repair_gives_a_reason_for_each_edit() {
-    let domain = domain::shipped("virtualhome").unwrap().unwrap();
-    let world = world_of(&domain, KITCHEN);
+    let world = testing::world("virtualhome", KITCHEN);
     let calls = [
         "Walktowards(<desk_1>)",
         "Open(<desk_1>)",
@@ -215,10 +208,9 @@ fn repair_gives_a_reason_for_each_edit() {
 
 #[test]
 fn plans_with_hidden_arguments_are_repaired_too() {
-    let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
         "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
-    let world = world_of(&domain, text);
+    let world = testing::world("household", text);
     let file: PlanFile = serde_json::from_str(
         r#"{"task_cohesion": {"task_sequence": ["move_hand()", "grasp_object()", "detach_from_plane()",
             "move_object()", "attach_to_plane()", "release_object()"],
@@ -457,7 +449,7 @@ proptest! {
         claimed in prop::option::of(prop::collection::vec((0usize..2, 0u8..6), 0..4)),
     ) {
         let domain = random_domain(&actions);
-        let world = world_of(&domain, &environment(&before));
+        let world = testing::world_of(&domain, &environment(&before));
         let calls: Vec<String> = calls
             .iter()
             .map(|(action, x, y)| format!("Act{}({}, {})", action % actions.len(), ENTITIES[*x], ENTITIES[*y]))
@@ -497,11 +489,10 @@ proptest! {
         milk in prop::sample::select(vec!["on_something(<counter>)", "inside_something(<fridge>)"]),
         door in prop::sample::select(vec!["open()", "closed()"]),
     ) {
-        let domain = domain::shipped("household").unwrap().unwrap();
         let text = format!(r#"{{"assets": ["<counter>", "<fridge>", "<shelf>"],
             "objects": ["<milk>", "<cup>", "<fridge_handle>"], "object_states": {{"<milk>": "{milk}",
             "<cup>": "on_something(<counter>)", "<fridge_handle>": "{door}"}}}}"#);
-        let world = world_of(&domain, &text);
+        let world = testing::world("household", &text);
         let goal = goal::parse(&world, goal).unwrap();
         let found = search::solve(&world, &goal.purpose(&world), &Limits::default());
         let search::Outcome::Solved { plan, .. } = found else { panic!("{found:?}") };

@@ -11,6 +11,7 @@ use longstep_verify::verify::{Purpose, VerifiedPlan, apply, check};
 
 /// A plan with parallel lanes.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Compacted {
     /// The plan.
     pub plan: VerifiedPlan,

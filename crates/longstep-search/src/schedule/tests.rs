@@ -3,6 +3,9 @@
 use super::*;
 use crate::goal;
 use crate::search::{Limits, Outcome, solve};
+use crate::testing;
+use longstep_model::domain;
+use longstep_model::environment::{self};
 use longstep_model::json::Path;
 use longstep_model::model::{Environment, World};
 use longstep_model::{domain, environment};
@@ -19,21 +22,15 @@ const ROOM: &str = r#"{
     "object_properties": {"<locker_handle>": "ROTATES", "<trunk>": "HEAVY"}}"#;
 
 fn room(text: &str) -> (Domain, World) {
-    let domain = domain::shipped("household-dual").unwrap().unwrap();
-    let environment = Environment::from_json(text).unwrap();
+    let domain = testing::domain("household-dual");
     let world =
-        environment::read(&domain, &environment, "room", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"));
+        testing::world_of(&domain, text);
     (domain, world)
 }
 
 fn solved(world: &World, goal: &str) -> (VerifiedPlan, Purpose) {
-    let goal = goal::parse(world, goal).unwrap();
-    let purpose = goal.purpose(world);
-    let outcome = solve(world, &goal.purpose(world), &Limits::default());
-    let Outcome::Solved { plan, .. } = outcome else {
-        panic!("{outcome:?}");
-    };
-    (check(world, plan, &purpose).into_verified().unwrap(), purpose)
+    let purpose = goal::parse(world, goal).unwrap().purpose(world);
+    (testing::plan_for(world, goal), purpose)
 }
 
 /// Solves a goal in the room, and checks the number of steps and the makespans as a sequence and as lanes.

@@ -93,7 +93,14 @@ impl fmt::Display for Effort {
 }
 
 /// Limits of a search as numbers of evaluated states, and as units of work.
+///
+/// ```
+/// use longstep_search::search::{Effort, Limits};
+/// let limits = Limits::from(Effort::SMALL).with_any(10);
+/// assert_eq!((limits.any, limits.effort), (10, Effort::SMALL));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Limits {
     /// States for a plan in the focused task, which has only the most direct operators.
     pub direct: usize,
@@ -126,6 +133,36 @@ impl Default for Limits {
 }
 
 impl Limits {
+    /// Sets the states for a plan in the focused task.
+    #[must_use]
+    pub fn with_direct(self, direct: usize) -> Self {
+        Self { direct, ..self }
+    }
+
+    /// Sets the states for the proof that no plan is cheaper.
+    #[must_use]
+    pub fn with_proof(self, proof: usize) -> Self {
+        Self { proof, ..self }
+    }
+
+    /// Sets the states for a shortest plan.
+    #[must_use]
+    pub fn with_shortest(self, shortest: usize) -> Self {
+        Self { shortest, ..self }
+    }
+
+    /// Sets the states for any plan, and as many again to improve it.
+    #[must_use]
+    pub fn with_any(self, any: usize) -> Self {
+        Self { any, ..self }
+    }
+
+    /// Sets the units of work for the whole search, and no limit on states. [`Limits::from`] scales those too.
+    #[must_use]
+    pub fn with_effort(self, effort: Effort) -> Self {
+        Self { effort, ..self }
+    }
+
     /// Work units of one run for a shortest plan or a proof: a state of a task with 20,000 operators takes a thousand times
     /// the work of one with 20 operators.
     pub(super) fn run_for_shortest(&self) -> u64 {

@@ -4,6 +4,8 @@ use longstep_model::model::{Fact, Number};
 use longstep_verify::plan::Plan;
 
 /// Result of a search.
+///
+/// Exhaustive on purpose: code that does not know a new outcome would be wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
     /// A plan was found.

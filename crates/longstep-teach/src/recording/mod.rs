@@ -87,6 +87,7 @@ impl Format {
 /// Reason why a recording cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {message}")]
+#[non_exhaustive]
 pub struct ReadError {
     /// The recording, with the place of the mistake.
     pub place: String,

@@ -4,6 +4,7 @@
 use longstep_core::domain;
 use longstep_core::environment::{self, World};
 use longstep_core::plan::{Plan, Step};
+use longstep_core::testing;
 use longstep_teach::{Demonstration, Format, Request, requests};
 use nalgebra::{Rotation3, Unit, Vector3};
 
@@ -196,11 +197,10 @@ pub(crate) fn recording(lines: &[Line], columns: Columns) -> Demonstration {
 }
 
 pub(crate) fn world() -> World {
-    let domain = domain::shipped("household-taught").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<shelf>", "<fridge>", "<drawer>"],
         "objects": ["<fridge_handle>", "<drawer_handle>", "<sponge>"],
         "object_states": {"<sponge>": "on_something(<table>)", "<fridge_handle>": "closed()", "<drawer_handle>": "closed()"}}"#;
-    environment::parse(&domain, "env.json", text).unwrap()
+    testing::world("household-taught", text)
 }
 
 /// The steps to show: an action with its arguments each.

@@ -23,22 +23,21 @@ use longstep_model::model::{Fact, State, World, apply, ground};
 /// The cursor owns all its data; clones share the plan. A cursor that was moved by some completions is restored by
 /// the same completions.
 ///
+/// # Example
+///
 /// ```
 /// use longstep_model::{domain, environment};
-/// use longstep_search::{goal, search};
-/// use longstep_verify::{cursor::Cursor, verify};
+/// use longstep_verify::{plan, verify::check_file};
 /// let household = domain::shipped("household").unwrap().unwrap();
-/// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+/// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
-/// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
-/// let outcome = search::solve(&world, &goal.purpose(&world), &search::Limits::default());
-/// let search::Outcome::Solved { plan, .. } = outcome else { panic!() };
-/// let plan = verify::check(&world, plan, &goal.purpose(&world)).into_verified().unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
 ///
 /// let mut cursor = plan.cursor();
 /// let mut seen = None;
 /// while let Some(step) = cursor.next(seen)? {
-///     println!("{}", plan.plan().step(step).explanation);
+///     println!("{}", cursor.step(step).explanation);
 ///     // A robot does the step here. A sensing step reveals one of `cursor.outcomes(step)`.
 ///     seen = cursor.outcomes(step).first().copied();
 /// }
@@ -71,6 +70,22 @@ struct Position {
 }
 
 /// A completion that does not fit the position; the cursor stays where it was.
+///
+/// ```
+/// use longstep_model::{domain, environment};
+/// use longstep_verify::{cursor::CursorError, plan, verify::check_file};
+/// let checks = domain::shipped("household-checks").unwrap().unwrap();
+/// let text = r#"{"assets": ["<desk>"], "objects": ["<milk>"], "object_states": {"<milk>": "on_something(<desk>)"}}"#;
+/// let world = environment::parse(&checks, "env.json", text).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "detach_from_plane()",
+///     "check_best_by_date()"], "object_name": "<milk>"}"#).unwrap();
+/// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+/// let mut cursor = plan.cursor();
+/// let step = (0..4).map_while(|_| cursor.next(None).unwrap()).last().unwrap();
+/// assert_eq!(cursor.complete(step, None), Err(CursorError::MissingOutcome(step)));
+/// let expired = cursor.outcomes(step)[0];
+/// assert_eq!(cursor.complete(step, Some(expired)), Ok(()));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CursorError {
@@ -89,14 +104,14 @@ pub enum CursorError {
 }
 
 impl VerifiedPlan {
-    /// Returns a cursor at the beginning of the plan.
+    /// Returns a cursor at the beginning of the plan. See the [example](Cursor#example).
     pub fn cursor(&self) -> Cursor {
         Cursor::new(self)
     }
 }
 
 impl Cursor {
-    /// Returns a cursor at the beginning of a plan.
+    /// Returns a cursor at the beginning of a plan. Copies the plan once; takes time linear in its length.
     pub fn new(plan: &VerifiedPlan) -> Self {
         let program = Program::new(plan.plan().body());
         let position = Position {
@@ -118,32 +133,38 @@ impl Cursor {
         cursor
     }
 
-    /// The plan.
+    /// Returns the plan.
     pub fn plan(&self) -> &VerifiedPlan {
         &self.plan
     }
 
     /// Returns the steps that can begin now: one outside of lanes, at most one per lane inside of them, none at the end.
+    /// See the example of [`Cursor::complete`].
     pub fn ready(&self) -> &[StepId] {
         &self.ready
     }
 
-    /// Returns true when no step is left.
+    /// Returns true when no step is left. See the [example](Self#example).
     pub fn is_finished(&self) -> bool {
         self.ready.is_empty()
     }
 
-    /// The state that the simulation predicts at this position.
+    /// Returns the state that the simulation predicts at this position. See the [example](Self#example).
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// The step with this id.
+    /// Returns the step with this id. See the [example](Self#example).
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another plan and larger than every id of this one.
     pub fn step(&self, id: StepId) -> &Step {
         self.plan.plan().step(id)
     }
 
-    /// Returns the outcomes of a sensing step, of which exactly one holds; none for any other step.
+    /// Returns the outcomes of a sensing step, of which exactly one holds; none for any other step. See the
+    /// example of [`CursorError`].
     pub fn outcomes(&self, id: StepId) -> Vec<Fact> {
         let step = self.step(id);
         let senses = &self.world().domain().action(step.action).senses;
@@ -151,7 +172,8 @@ impl Cursor {
     }
 
     /// Completes the step that it returned last, with what that step observed, and returns the next one; none at the
-    /// end. For a robot that does one step at a time; steps of lanes come one after the other.
+    /// end. For a robot that does one step at a time; steps of lanes come one after the other. See the
+    /// [example](Self#example).
     ///
     /// # Errors
     ///
@@ -166,6 +188,24 @@ impl Cursor {
 
     /// Moves on behind a step that was carried out. `observed` is the outcome of a sensing step; it may be omitted
     /// where the outcome is known already, and is ignored for other steps.
+    ///
+    /// ```
+    /// # use longstep_model::{domain, environment};
+    /// # use longstep_verify::{plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// let mut cursor = plan.cursor();
+    /// for _ in 0..2 {
+    ///     let step = cursor.ready()[0];
+    ///     cursor.complete(step, None)?;
+    ///     assert!(cursor.complete(step, None).is_err());
+    /// }
+    /// assert!(cursor.is_finished());
+    /// # Ok::<(), longstep_verify::cursor::CursorError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -201,7 +241,23 @@ impl Cursor {
     }
 
     /// Replaces the predicted state by an observed one, and looks up the facts of conditions behind the last completed
-    /// step in it.
+    /// step in it. The cursor does not check that the rest of the plan is valid from there.
+    ///
+    /// ```
+    /// # use longstep_model::{domain, environment};
+    /// # use longstep_verify::{plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// let mut cursor = plan.cursor();
+    /// let mut seen = cursor.state().clone();
+    /// let on_desk = world.state.iter().next().unwrap();
+    /// seen.set(on_desk, false);
+    /// cursor.correct(seen);
+    /// assert!(!cursor.state().holds(on_desk) && cursor.ready().len() == 1);
+    /// ```
     pub fn correct(&mut self, state: State) {
         self.state = state;
         self.position = self.unsettled.clone();

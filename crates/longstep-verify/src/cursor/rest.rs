@@ -8,6 +8,7 @@ use longstep_model::model::{EntityId, Fact};
 
 /// The rest of a plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Rest {
     /// The rest as a plan. Loops that have begun are unrolled by the iteration that is under way.
     pub plan: Plan,
@@ -17,7 +18,23 @@ pub struct Rest {
 
 impl Cursor {
     /// Returns the rest of the plan: everything behind the completed steps. None if unrolling a loop would nest the tree
-    /// too deep.
+    /// too deep. Takes time linear in the length of the plan.
+    ///
+    /// ```
+    /// # use longstep_model::{domain, environment};
+    /// # use longstep_verify::{plan, verify::check_file};
+    /// # let household = domain::shipped("household").unwrap().unwrap();
+    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let world = environment::parse(&household, "env.json", text).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// let mut cursor = plan.cursor();
+    /// let first = cursor.ready()[0];
+    /// cursor.complete(first, None)?;
+    /// let rest = cursor.rest().unwrap();
+    /// assert_eq!((rest.plan.steps().len(), rest.steps[0].index()), (1, 1));
+    /// # Ok::<(), longstep_verify::cursor::CursorError>(())
+    /// ```
     pub fn rest(&self) -> Option<Rest> {
         let whole = self.plan.plan();
         let Some(next) = self.ready.first().copied() else {

@@ -84,12 +84,12 @@ pub(super) fn entity(world: &World, written: &str) -> Option<EntityId> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use longstep_model::testing;
 
     #[test]
     fn fuzzy_names_never_change_a_label() {
-        let household = longstep_model::domain::shipped("household").unwrap().unwrap();
         let text = r#"{"objects": ["<tube_A>", "<plate_3>"]}"#;
-        let world = longstep_model::environment::parse(&household, "env.json", text).unwrap();
+        let world = testing::world("household", text);
         for (written, expected) in [
             ("tubeA", Some("<tube_A>")),
             ("<tueb_A>", Some("<tube_A>")),

@@ -5,6 +5,7 @@ use longstep_model::model::{Domain, World, phrase, written_fact};
 
 /// A line of an [`outline`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct OutlineLine {
     /// The step that the line shows, from 0; none for a header line such as `else`.
     pub step: Option<usize>,

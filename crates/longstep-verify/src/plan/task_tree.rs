@@ -11,6 +11,7 @@ use longstep_model::json::Path;
 /// An error in a `task_tree`, with its path.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{path}` {message}")]
+#[non_exhaustive]
 pub struct TreeError {
     /// Path of the invalid value.
     pub path: Path,

@@ -13,6 +13,8 @@ use longstep_model::model::{EntityId, Fact};
 pub const DEEPEST: usize = 48;
 
 /// A node of the plan tree.
+///
+/// Exhaustive on purpose: code that does not know a new node would be wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Node<F = Fact, A = EntityId> {
     /// A step.

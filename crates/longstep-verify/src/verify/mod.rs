@@ -112,6 +112,7 @@ pub fn rules_at_end(domain: &Domain, purpose: &Purpose) -> Vec<Wanted> {
 
 /// Result of verification.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Report {
     /// The world in which the plan was simulated.
     pub world: World,
@@ -132,6 +133,19 @@ pub struct Report {
 /// A plan that was simulated completely without a violation.
 ///
 /// Only [`Report::into_verified`] creates one. Exporters and executors accept nothing else.
+///
+/// ```
+/// use longstep_model::{domain, environment};
+/// use longstep_verify::{plan, verify::check_file};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+/// let world = environment::parse(&household, "env.json", text).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+/// assert_eq!((plan.steps().len(), plan.endings().len()), (2, 1));
+/// let after = world.after(plan.ending());
+/// assert_eq!(after.environment().object_states["<pen>"].as_slice(), ["on_something(<desk>)", "inside_hand()"]);
+/// ```
 #[derive(Debug, Clone)]
 pub struct VerifiedPlan {
     report: Box<Report>,

@@ -43,6 +43,7 @@ pub(super) fn broken_rules_at_end(world: &World, state: &State) -> usize {
 }
 
 /// A rule that is broken in the final state.
+#[non_exhaustive]
 pub struct Broken {
     /// Index of the rule in the domain's list.
     pub rule: usize,

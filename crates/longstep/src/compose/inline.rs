@@ -17,6 +17,7 @@ const LONGEST: usize = 2_000;
 
 /// A composition with its stored plans inlined.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Inlined {
     /// The plan before resolution. Steps of stored plans name their arguments by identifier.
     pub written: Written,

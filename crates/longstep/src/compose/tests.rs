@@ -9,6 +9,7 @@ use crate::environment::{self, Environment, World};
 use crate::json::Path;
 use crate::plan::{PlanFile, script};
 use crate::report::Answer;
+use longstep_core::testing;
 
 /// A domain, its current world, and stored plans, each given by file name, handled object, and steps as `call:
 /// explanation`.
@@ -31,11 +32,6 @@ impl Scene {
     }
 }
 
-fn world_of(domain: &Domain, environment: &Value) -> World {
-    let environment = Environment::from_json(&environment.to_string()).unwrap();
-    environment::read(domain, &environment, "", "", &Path::default()).unwrap()
-}
-
 fn scene(domain: &str, now: &Value, plans: &[(&str, &str, &Value, &[&str])]) -> Scene {
     let domain = shipped(domain).unwrap().unwrap();
     let stored = plans.iter().map(|(stem, object, before, steps)| {
@@ -52,7 +48,7 @@ fn scene(domain: &str, now: &Value, plans: &[(&str, &str, &Value, &[&str])]) -> 
         Stored::new(stem, serde_json::from_value::<PlanFile>(file).unwrap())
     });
     Scene {
-        world: world_of(&domain, now),
+        world: testing::world_of(&domain, now),
         stored: stored.collect(),
         domain,
     }
@@ -207,7 +203,7 @@ fn composition_violations_name_the_stored_plan() {
 #[test]
 fn composition_reports_entities_missing_from_the_world() {
     let mut scene = cream(ON_BENCH);
-    scene.world = world_of(
+    scene.world = testing::world_of(
         &scene.domain,
         &json!({"assets": ["<bench>"], "objects": ["<cream>"], "object_states": {"<cream>": ON_BENCH}}),
     );

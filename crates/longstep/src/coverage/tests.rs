@@ -3,6 +3,7 @@
 use super::*;
 use crate::goal::parse;
 use crate::{Planner, World};
+use longstep_core::testing;
 
 const ROOM: &str = r#"{
     "assets": ["<desk>", "<shelf>", "<cupboard>", "<floor>"],
@@ -79,7 +80,7 @@ fn hotel() -> World {
     let rooms = "[lexicon]\nroom = [\"room\", \"habitación\", \"guest room\"]\n";
     files.words = files.words.replace("[lexicon]\n", rooms);
     let domain = longstep_core::domain::load(&files).unwrap();
-    crate::environment::parse(&domain, "env.json", HOTEL).unwrap()
+    testing::world_of(&domain, HOTEL)
 }
 
 #[test]

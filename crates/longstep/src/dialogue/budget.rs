@@ -50,6 +50,7 @@ pub struct Fitted {
 /// The parts that cannot be dropped exceed the token budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the prompt needs {needed} tokens, which is {} more than the {room} that the model has room for", .needed - .room)]
+#[non_exhaustive]
 pub struct OverBudget {
     /// Minimum number of tokens.
     pub needed: u64,

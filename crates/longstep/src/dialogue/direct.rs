@@ -15,6 +15,7 @@ const STEP_TOKENS: u64 = 1500;
 
 /// A request within its token budget.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Prepared {
     /// The request. Its `max_tokens` suffice for both environments and about sixty steps.
     pub request: ChatRequest,

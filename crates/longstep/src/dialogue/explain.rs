@@ -4,6 +4,7 @@ use super::{Counting, PartCost};
 
 /// Token counts of a prompt, in prompt order.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Explanation {
     /// Parts with at least one token.
     pub parts: Vec<PartShare>,
@@ -17,6 +18,7 @@ pub struct Explanation {
 
 /// The share of one part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PartShare {
     /// Name of the part.
     pub name: &'static str,

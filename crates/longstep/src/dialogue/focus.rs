@@ -242,9 +242,7 @@ fn named(world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::shipped;
-    use crate::environment::{Environment, read};
-    use crate::json::Path;
+    use longstep_core::testing;
 
     const BOAT: &str = r#"{"assets": ["<deck>", "<cabin>", "<galley_table>", "<locker>", "<trash_bin>"],
         "asset_states": {"<galley_table>": "on_something(<cabin>)"},
@@ -258,15 +256,7 @@ mod tests {
     /// Compares the required entities of the boat, by identifier.
     #[track_caller]
     fn check(instruction: &str, expected: &str) {
-        let domain = shipped("household").unwrap().unwrap();
-        let world = read(
-            &domain,
-            &Environment::from_json(BOAT).unwrap(),
-            "",
-            "",
-            &Path::default(),
-        )
-        .unwrap();
+        let world = testing::world("household", BOAT);
         let found = focus(&world, instruction);
         let named: Vec<&str> = found.ranked[..found.needed]
             .iter()

@@ -28,6 +28,7 @@ pub enum Amended {
 
 /// A verified plan that fulfils the wishes.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Amendment {
     /// The plan.
     pub plan: VerifiedPlan,

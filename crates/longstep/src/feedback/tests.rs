@@ -10,6 +10,7 @@ use crate::plan::{Plan, TaskCohesion, resolve};
 use crate::repair::Reach;
 use crate::search::{self, Limits, Outcome};
 use crate::{goal, verify};
+use longstep_core::testing;
 
 const DEN: &str = r#"{
     "assets": ["<desk>", "<rack_low>", "<rack_high>", "<cabinet>", "<floor>"],
@@ -32,16 +33,10 @@ struct Scene {
 
 fn scene(name: &str, environment: &str, wanted: &str) -> Scene {
     let domain = domain::shipped(name).unwrap().unwrap();
-    let read = Environment::from_json(environment).unwrap();
-    let world = environment::read(&domain, &read, "env.json", environment, &Path::default()).unwrap();
-    let goal = goal::parse(&world, wanted).unwrap();
-    let outcome = search::solve(&world, &goal.purpose(&world), &Limits::default());
-    let Outcome::Solved { plan, .. } = outcome else {
-        panic!("{outcome:?}")
-    };
+    let world = testing::world_of(&domain, environment);
     Scene {
-        plan,
-        purpose: goal.purpose(&world),
+        plan: testing::plan_for(&world, wanted).plan().clone(),
+        purpose: goal::parse(&world, wanted).unwrap().purpose(&world),
         domain,
         world,
     }

@@ -5,14 +5,14 @@ use crate::goal::*;
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
+use longstep_core::testing;
 
 fn kitchen() -> (Domain, World) {
     let domain = domain::shipped("household-checks").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<fridge>", "<trash_bin>"], "objects": ["<milk>", "<sponge>", "<fridge_handle>"],
         "object_states": {"<milk>": ["on_something(<table>)"], "<sponge>": ["on_something(<table>)"],
         "<fridge_handle>": ["closed()"]}}"#;
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "", text, &Path::default()).unwrap();
+    let world = testing::world_of(&domain, text);
     (domain, world)
 }
 

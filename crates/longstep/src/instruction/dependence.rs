@@ -44,6 +44,7 @@ mod tests {
     use crate::domain;
     use crate::environment::{self, Environment};
     use crate::json::Path;
+    use longstep_core::testing;
 
     #[test]
     fn goals_depend_on_what_can_be_sensed() {
@@ -56,8 +57,7 @@ mod tests {
         ] {
             let domain = domain::shipped(domain).unwrap().unwrap();
             let text = r#"{"assets": ["<fridge>"], "objects": ["<milk>"]}"#;
-            let environment = Environment::from_json(text).unwrap();
-            let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
+            let world = testing::world_of(&domain, text);
             let found = conditions(&world);
             let shown = found.iter().map(|depends| {
                 let text = crate::goal::GoalFact::Plain(depends.fact).everyday(&world);

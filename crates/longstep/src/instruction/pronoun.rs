@@ -6,6 +6,7 @@ use crate::model::plain_words;
 
 /// An instruction whose pronoun is replaced by entities of an earlier one.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SpelledOut {
     /// The resolved instruction.
     pub text: String,
@@ -67,14 +68,13 @@ mod tests {
     use crate::domain;
     use crate::environment::{self, Environment};
     use crate::json::Path;
+    use longstep_core::testing;
 
     #[track_caller]
     fn check(instruction: &str, before: &[&str], expected: Option<&str>) {
-        let household = domain::shipped("household").unwrap().unwrap();
         let text =
             r#"{"assets": ["<desk>", "<shelf>", "<drawer>"], "objects": ["<pen>", "<ruler>", "<drawer_handle>"]}"#;
-        let environment = Environment::from_json(text).unwrap();
-        let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
+        let world = testing::world("household", text);
         let before: Vec<_> = before.iter().map(|name| world.find(name).unwrap()).collect();
         let spelled = spelled_out(&world, instruction, &before);
         assert_eq!(

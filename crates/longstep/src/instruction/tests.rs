@@ -5,11 +5,7 @@ use crate::goal::*;
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
-
-fn world(domain: &Domain, text: &str) -> World {
-    let environment = Environment::from_json(text).unwrap();
-    environment::read(domain, &environment, "test", text, &Path::default()).unwrap()
-}
+use longstep_core::testing;
 
 fn flat() -> (Domain, World) {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
@@ -20,7 +16,7 @@ fn flat() -> (Domain, World) {
         "object_states": {
             "<mug_6>": ["ON(<desk_1>)"], "<mug_7>": ["ON(<shelf_2>)"], "<mug_8>": ["ON(<shelf_2>)"],
             "<tray_9>": ["ON(<desk_1>)"], "<apple_10>": ["ON(<tray_9>)"], "<pillow_11>": ["ON(<sofa_3>)"]}}"#;
-    let world = world(&domain, text);
+    let world = testing::world_of(&domain, text);
     (domain, world)
 }
 
@@ -90,10 +86,9 @@ fn goal_asks_which_entity_if_the_choice_matters() {
 
 #[test]
 fn goal_for_one_object_does_not_take_all_of_its_name() {
-    let household = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<red_bowl>", "<blue_bowl>"],
         "object_states": {"<red_bowl>": "on_something(<table>)", "<blue_bowl>": "on_something(<table>)"}}"#;
-    let world = world(&household, text);
+    let world = testing::world("household", text);
     let both = "put(red bowl, shelf) & put(blue bowl, shelf)";
     let which = "Which bowl do you mean: red bowl, or blue bowl?";
     for (instruction, goal, expected) in [
@@ -120,10 +115,9 @@ fn goal_for_one_object_does_not_take_all_of_its_name() {
 
 #[test]
 fn a_long_name_may_be_said_with_articles() {
-    let household = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<fridge>", "<shelf_from_sink_to_stove>", "<shelf_from_fridge_to_stove>"], "objects": ["<pen>"],
         "object_states": {"<pen>": "on_something(<fridge>)"}}"#;
-    let world = world(&household, text);
+    let world = testing::world("household", text);
     let (goal, which) = (
         "put(pen, shelf from sink to stove)",
         "Which stove do you mean: shelf from sink to stove, or shelf from fridge to stove?",

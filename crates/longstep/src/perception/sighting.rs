@@ -26,6 +26,7 @@ pub(super) const COMMA: &str = ", ";
 
 /// A scene in a model's words, not yet checked.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Sighting {
     /// Names of entities that cannot be manipulated.
     pub assets: Vec<String>,

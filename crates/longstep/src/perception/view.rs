@@ -17,6 +17,7 @@ const FILE: &str = "the view";
 
 /// An environment from a model's account of a scene.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct View {
     /// The environment.
     pub environment: Environment,

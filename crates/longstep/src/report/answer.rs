@@ -16,6 +16,8 @@ use crate::usage::Usage;
 use crate::verify::{Ending, Report, Violation};
 
 /// Outcome of a request.
+///
+/// Exhaustive on purpose: code that does not know a new outcome would be wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
@@ -46,6 +48,7 @@ impl Status {
 
 /// The answer to a request. Fields are serialized in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Answer {
     /// The outcome.
     pub status: Status,
@@ -99,6 +102,7 @@ pub struct Answer {
 
 /// A group in a goal, and the entities that it stands for.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct GroupAnswer {
     /// The group in the goal language, with identifiers: `all plate where on_something(<table>)`.
     pub group: String,
@@ -125,6 +129,7 @@ impl GroupAnswer {
 
 /// A goal that left a choice, and what the plan chose.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct ChoiceAnswer {
     /// The goal in the goal language, with identifiers: `put(any cup, <table>)`.
     pub goal: String,
@@ -145,6 +150,7 @@ impl From<&ChoiceAnswer> for ChoiceFile {
 
 /// The state of knowledge at the end of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct SearchAnswer {
     /// True if it is proven that no plan is shorter.
     pub shortest: bool,
@@ -156,6 +162,7 @@ pub struct SearchAnswer {
 
 /// A part of an instruction.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct PartAnswer {
     /// Its text.
     pub text: String,
@@ -170,6 +177,7 @@ pub struct PartAnswer {
 
 /// A part of an instruction that the goal does not represent.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct GapAnswer {
     /// Its text.
     pub text: String,
@@ -181,6 +189,7 @@ pub struct GapAnswer {
 
 /// An edit of a repair.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct EditAnswer {
     /// `insert`, `drop`, `replace` or `move`.
     pub kind: &'static str,
@@ -208,6 +217,7 @@ impl From<&Edit> for EditAnswer {
 
 /// A step of an [`Answer`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct StepAnswer {
     /// Index, from 0.
     pub index: usize,
@@ -225,6 +235,7 @@ pub struct StepAnswer {
 
 /// A violation of an [`Answer`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct ViolationAnswer {
     /// Kind, for example `precondition`.
     pub kind: &'static str,
@@ -245,6 +256,7 @@ pub struct ViolationAnswer {
 
 /// Comparison of the claimed and the simulated environment, by entity.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[non_exhaustive]
 pub struct Claims {
     /// Number of entities with equal states.
     pub agreed: usize,
@@ -254,6 +266,7 @@ pub struct Claims {
 
 /// An entity whose claimed state differs from the simulated one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Differing {
     /// The entity.
     pub entity: String,
@@ -265,6 +278,7 @@ pub struct Differing {
 
 /// Token counts of model calls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[non_exhaustive]
 pub struct UsageAnswer {
     /// Number of calls.
     pub calls: u32,
@@ -292,6 +306,7 @@ impl From<Usage> for UsageAnswer {
 
 /// The foreseen cost of a request for a whole plan.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct ForecastAnswer {
     /// Tokens of the prompt.
     pub prompt_tokens: u64,
@@ -307,6 +322,7 @@ pub struct ForecastAnswer {
 
 /// Durations in milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[non_exhaustive]
 pub struct Timings {
     /// Loading and calling the model.
     pub model: f64,

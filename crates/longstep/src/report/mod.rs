@@ -10,4 +10,4 @@ mod solution;
 
 pub use answer::*;
 pub use assessment::Assessment;
-pub use solution::{Solution, Stopwatch, of_goal, of_purpose};
+pub use solution::{Solution, of_goal, of_purpose};

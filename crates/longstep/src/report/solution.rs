@@ -1,16 +1,15 @@
 //! Planning for a goal: a verified plan, or the reason why there is none.
 
 use super::{Answer, SearchAnswer, Status};
+use crate::clock::Clock;
 use crate::environment::{Voice, World};
 use crate::goal::Goal;
 use crate::search::{self, Limits, Outcome, WhyNot};
 use crate::verify::{Purpose, VerifiedPlan, check};
 
-/// Returns milliseconds since a fixed moment. The library has no clock: pass one for timings, or `|| 0.0` without.
-pub type Stopwatch = fn() -> f64;
-
 /// Result of a search.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Solution {
     /// The plan, if one was found.
     pub plan: Option<VerifiedPlan>,
@@ -21,18 +20,18 @@ pub struct Solution {
 /// Searches for a plan for a goal and verifies it; `summary` describes the goal in words.
 ///
 /// ```
-/// use longstep::{domain, goal, report};
+/// use longstep::{Clock, domain, goal, report};
 /// use longstep_core::environment;
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
 /// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
-/// let solution = report::of_goal(&world, &goal, "the pen belongs on the shelf", &longstep::Limits::default(), || 0.0);
+/// let solution = report::of_goal(&world, &goal, "the pen belongs on the shelf", &longstep::Limits::default(), &Clock::none());
 /// assert_eq!(solution.plan.unwrap().steps().len(), 6);
 /// ```
-pub fn of_goal(world: &World, goal: &Goal, summary: &str, limits: &Limits, now: Stopwatch) -> Solution {
+pub fn of_goal(world: &World, goal: &Goal, summary: &str, limits: &Limits, clock: &Clock) -> Solution {
     let purpose = goal.purpose(world);
-    let mut solution = of_purpose(world, &purpose, Some(goal), summary, limits, now);
+    let mut solution = of_purpose(world, &purpose, Some(goal), summary, limits, clock);
     solution.answer.set_goal(world, goal);
     solution
 }
@@ -44,11 +43,11 @@ pub fn of_purpose(
     goal: Option<&Goal>,
     summary: &str,
     limits: &Limits,
-    now: Stopwatch,
+    clock: &Clock,
 ) -> Solution {
-    let started = now();
+    let started = clock.now();
     let found = search::solve(world, purpose, limits);
-    let searched = now();
+    let searched = clock.now();
     let mut plan = None;
     let mut answer = match found {
         Outcome::Solved {
@@ -60,9 +59,9 @@ pub fn of_purpose(
             ..
         } => {
             let report = check(world, steps, purpose);
-            let verified = now();
+            let verified = clock.now();
             let mut answer = Answer::of_report(world, &report, goal, summary);
-            answer.timings_ms.verify = verified - searched;
+            answer.timings_ms.verify = Clock::milliseconds(searched, verified);
             answer.search = Some(SearchAnswer {
                 shortest,
                 at_least,
@@ -95,7 +94,7 @@ pub fn of_purpose(
             answer
         }
     };
-    answer.timings_ms.search = searched - started;
+    answer.timings_ms.search = Clock::milliseconds(started, searched);
     Solution { plan, answer }
 }
 

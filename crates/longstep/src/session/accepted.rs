@@ -9,6 +9,7 @@ use crate::verify::{Ending, VerifiedPlan};
 
 /// An instruction with its accepted plan.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Accepted {
     /// The instruction.
     pub instruction: String,

@@ -111,7 +111,8 @@ impl Session {
         });
     }
 
-    /// Processes a model's reply; `milliseconds` is its duration.
+    /// Processes a model's reply; `milliseconds` is its duration. The search for a plan takes place here, within the limits
+    /// of the planner. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -143,7 +144,8 @@ impl Session {
         Ok(())
     }
 
-    /// Records a failed model call. The plan under discussion is proposed again, or the instruction is stuck.
+    /// Records a failed model call. The plan under discussion is proposed again, or the instruction is stuck. See the
+    /// example of [`Session::failure`].
     ///
     /// # Errors
     ///

@@ -1,11 +1,10 @@
 //! Sessions with plans that have several endings.
 
-use super::tests::{goals, reply};
-use super::{Entry, Event, Log, ModelFacts, Response, Session, Settings};
+use super::tests::{goals, reply, scripted};
+use super::{Entry, Event, Log, Response, Session, Settings};
+use crate::Clock;
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain::{self, Domain};
-use crate::environment::{self, Environment};
-use crate::json::Path;
 
 const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<trash_bin>"], "objects": ["<cheese>"],
     "object_states": {"<cheese>": "on_something(<worktop>)"}}"#;
@@ -15,24 +14,13 @@ fn checks() -> Domain {
 }
 
 fn session() -> Session {
-    let domain = checks();
-    let environment = Environment::from_json(LARDER).unwrap();
-    let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
-    let model = ModelFacts {
-        name: "script".to_owned(),
-        kind: ConstraintKind::JsonSchema,
-        context: None,
-    };
-    Session::new("household-checks", domain, world, Settings::default(), model, || 0.0)
+    scripted(checks(), LARDER, ConstraintKind::JsonSchema, Settings::default())
 }
 
 fn log(events: &[Event]) -> Log {
     let line = |event: &Event| {
         let event = event.clone();
-        Entry {
-            at: String::new(),
-            event,
-        }
+        Entry::new(String::new(), event)
         .line()
     };
     Log::read(events.iter().map(line).collect::<String>().as_bytes()).unwrap()
@@ -68,13 +56,13 @@ fn session_continues_from_the_reported_ending() {
     assert!(session.cancel().is_err());
     assert!(session.ended(2).is_err());
     let mut events = session.take_events();
-    let resumed = Session::resume(checks(), &log(&events), || 0.0).unwrap().session;
+    let resumed = Session::resume(checks(), &log(&events), Clock::none()).unwrap().session;
     assert_eq!(resumed.endings(), endings);
 
     session.ended(1).unwrap();
     assert!(where_is_the_cheese(&session).contains(&"inside_something(<trash_bin>)".to_owned()));
     events.extend(session.take_events());
-    let resumed = Session::resume(checks(), &log(&events), || 0.0).unwrap().session;
+    let resumed = Session::resume(checks(), &log(&events), Clock::none()).unwrap().session;
     assert_eq!(resumed.world().environment(), session.world().environment());
     assert!(resumed.endings().is_empty());
     let file = session.plan_file(0).unwrap();

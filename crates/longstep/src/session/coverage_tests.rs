@@ -1,10 +1,9 @@
 //! Sessions whose instructions say more than goals, with fixed replies.
 
-use super::tests::{goals, household, reply, text_of};
-use super::{Event, Log, ModelFacts, Response, Session, Settings, replay};
+use super::tests::{goals, household, reply, scripted, text_of};
+use super::{Event, Log, Response, Session, Settings, replay};
+use crate::Clock;
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
-use crate::environment::{self, Environment};
-use crate::json::Path;
 use crate::report::Status;
 
 const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>", "<ruler>", "<cupboard_handle>"],
@@ -12,15 +11,7 @@ const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects"
         "<cupboard_handle>": "closed()"}}"#;
 
 pub(super) fn session(kind: ConstraintKind, settings: Settings) -> Session {
-    let household = household();
-    let environment = Environment::from_json(SCENE).unwrap();
-    let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
-    let model = ModelFacts {
-        name: "script".to_owned(),
-        kind,
-        context: None,
-    };
-    Session::new("household", household, world, settings, model, || 0.0)
+    scripted(household(), SCENE, kind, settings)
 }
 
 /// Gives an instruction and the replies to it; returns the last user message of each request.
@@ -50,14 +41,14 @@ pub(super) fn question(session: &Session) -> String {
 /// Checks that the log of a session restores its state and replays without a difference.
 pub(super) fn check_log(session: &mut Session, events: &[Event]) {
     let log = Log::read(text_of(events.to_vec()).as_bytes()).unwrap();
-    let resumed = Session::resume(household(), &log, || 0.0).unwrap();
+    let resumed = Session::resume(household(), &log, Clock::none()).unwrap();
     assert_eq!(resumed.dropped, None);
     let (then, now) = (session.response().to_string(), resumed.session.response().to_string());
     assert_eq!(then, now);
     let written =
         |session: &Session| -> Vec<String> { session.rules().iter().map(|rule| rule.written.clone()).collect() };
     assert_eq!(written(&resumed.session), written(session));
-    let replay = replay(household(), &log, || 0.0).unwrap();
+    let replay = replay(household(), &log).unwrap();
     assert!(replay.differing.is_empty(), "{:?}", replay.differing);
 }
 
@@ -105,17 +96,11 @@ fn session_notes_an_omission_that_does_not_change_the_plan() {
 
 #[test]
 fn consent_needs_its_own_setting_besides_accept() {
-    let accept = Settings {
-        accept: true,
-        ..Settings::default()
-    };
+    let accept = Settings::default().with_accept(true);
     let mut asks = session(ConstraintKind::Grammar, accept);
     play(&mut asks, TIMED, &[LEFT_OUT]);
     assert!(matches!(asks.response(), Response::Consent(_)));
-    let partial = Settings {
-        partial: true,
-        ..accept
-    };
+    let partial = accept.with_partial(true);
     let mut goes_on = session(ConstraintKind::Grammar, partial);
     play(&mut goes_on, TIMED, &[LEFT_OUT]);
     assert_eq!(goes_on.accepted().len(), 1);

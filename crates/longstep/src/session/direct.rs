@@ -2,6 +2,7 @@
 
 use super::pending::{Asking, What};
 use super::{Accepted, Event, Failure, Proposal, RepairPolicy, Session, Stage, Turn};
+use crate::clock::Clock;
 use crate::dialogue::{
     DialogueError, Exchange, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query, whole,
 };
@@ -88,7 +89,7 @@ impl Session {
 
     /// Assesses a plan of the model.
     fn check(&self, turn: &Turn, assessment: Assessment<'_>, mend: bool) -> Checked {
-        let started = (self.now)();
+        let started = self.clock.now();
         // Repair must keep the changes that the person requested.
         let pins = turn
             .proposal
@@ -97,7 +98,7 @@ impl Session {
             .unwrap_or_default();
         let assessment = assessment.pinned(pins);
         let outcome = mend.then(|| assessment.repair());
-        let searched = (self.now)();
+        let searched = self.clock.now();
         let plan: Option<VerifiedPlan> = match outcome {
             Some(RepairOutcome::Valid(plan)) => Some(plan.clone()),
             // A repair that gives up claims would undo the feedback.
@@ -112,8 +113,10 @@ impl Session {
         };
         turn.price(&mut answer);
         answer.plan.instruction_summary.clone_from(&turn.instruction);
-        answer.timings_ms.search = if mend { searched - started } else { 0.0 };
-        answer.timings_ms.verify = (self.now)() - searched;
+        if mend {
+            answer.timings_ms.search = Clock::milliseconds(started, searched);
+        }
+        answer.timings_ms.verify = Clock::milliseconds(searched, self.clock.now());
         match plan {
             // The person asked for a different plan.
             Some(plan) if turn.is_as_before(&plan) => Checked::AsBefore,

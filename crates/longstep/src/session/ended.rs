@@ -5,6 +5,7 @@ use crate::environment::{Environment, Fact, Voice, World};
 
 /// A possible ending of an accepted plan.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Ended {
     /// Sensing outcomes that distinguish it from the other endings, as sentences.
     pub when: Vec<String>,
@@ -65,7 +66,8 @@ impl Session {
         };
     }
 
-    /// Returns the possible endings of the last accepted plan if it has several, else an empty list.
+    /// Returns the possible endings of the last accepted plan if it has several, else an empty list. See the example of
+    /// [`Session::ended`].
     pub fn endings(&self) -> Vec<Ended> {
         let Stage::Ending(left) = &self.stage else {
             return Vec::new();
@@ -82,6 +84,28 @@ impl Session {
     }
 
     /// Selects one of [`Session::endings`], from 0. The next instruction starts there.
+    ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Settings};
+    /// # let planner = Planner::shipped("household-checks")?;
+    /// # let world = planner.world(r#"{"assets": ["<worktop>", "<shelf>", "<trash_bin>"], "objects": ["<cheese>"],
+    /// #     "object_states": {"<cheese>": "on_something(<worktop>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.instruct("If the cheese has expired put it in the trash bin, otherwise on the shelf")?;
+    /// let goal = "if expired(cheese) then put(cheese, trash bin) else put(cheese, shelf)";
+    /// let reply = format!(r#"{{"question": "", "goal": "{goal}", "left_out": []}}"#);
+    /// # session.next_request(&mut EstimatedTokens::default())?;
+    /// session.supply(&Reply::complete(&reply), 740.0)?;
+    /// session.accept()?;
+    /// let when: Vec<String> = session.endings().into_iter().flat_map(|ending| ending.when).collect();
+    /// assert_eq!(when, ["the cheese is not past its date", "the cheese is past its date"]);
+    /// session.ended(1)?;
+    /// assert!(session.endings().is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     ///

@@ -193,6 +193,7 @@ pub enum Event {
 
 /// A message of a conversation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct MessageRecord {
     /// `system`, `user` or `assistant`.
     pub role: String,
@@ -216,6 +217,7 @@ impl From<&Message> for MessageRecord {
 
 /// Token counts of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct UsageRecord {
     /// Prompt tokens.
     pub prompt_tokens: u64,
@@ -248,6 +250,7 @@ impl From<UsageRecord> for Usage {
 
 /// A step with all arguments.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct StepRecord {
     /// Name of the action in the PDDL.
     pub action: String,

@@ -4,11 +4,10 @@
 use longstep_core::call::NOTATION;
 use serde_json::json;
 
-use super::tests::{MOVE_PEN, direct, edits, goals, household, pen_plan, reply, text_of};
-use super::{Log, ModelFacts, RepairPolicy, Session, Settings, Stage, replay};
+use super::tests::{MOVE_PEN, direct, edits, goals, household, pen_plan, reply, scripted, text_of};
+use super::{Log, RepairPolicy, Session, Settings, Stage, replay};
+use crate::Clock;
 use crate::dialogue::{ConstraintKind, EstimatedTokens, Message, Prepared, Role};
-use crate::environment::{self, Environment};
-use crate::json::Path;
 use crate::plan::Plan;
 use crate::verify::{Purpose, check};
 
@@ -75,19 +74,11 @@ fn injected() -> Vec<String> {
 
 /// Creates a session whose scene has an object with this name.
 fn session(settings: Settings, called: &str) -> Session {
-    let household = household();
     let environment = json!({
         "assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>", called, "<cupboard_handle>"],
         "object_states": {"<pen>": "on_something(<desk>)", called: "on_something(<desk>)", "<cupboard_handle>": "closed()"},
     });
-    let environment = Environment::from_json(&environment.to_string()).unwrap();
-    let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
-    let model = ModelFacts {
-        name: "script".to_owned(),
-        kind: ConstraintKind::JsonSchema,
-        context: None,
-    };
-    Session::new("household", household, world, settings, model, || 0.0)
+    scripted(household(), environment, ConstraintKind::JsonSchema, settings)
 }
 
 fn strategies() -> [Settings; 2] {
@@ -157,7 +148,7 @@ fn check_log(session: &mut Session) {
     let log = Log::read(text.as_bytes()).unwrap();
     assert_eq!(text.lines().count(), events.len());
     assert_eq!(log.events().cloned().collect::<Vec<_>>(), events);
-    let resumed = Session::resume(household(), &log, || 0.0).unwrap();
+    let resumed = Session::resume(household(), &log, Clock::none()).unwrap();
     assert_eq!(resumed.dropped, None);
     let again = resumed.session;
     assert_eq!(again.accepted().len(), session.accepted().len());
@@ -172,7 +163,7 @@ fn check_log(session: &mut Session) {
     let steps = |session: &Session| session.proposal().map(|proposal| proposal.plan.steps().to_vec());
     assert_eq!(steps(&again), steps(session));
     confirm(&again);
-    assert_eq!(replay(household(), &log, || 0.0).unwrap().differing, []);
+    assert_eq!(replay(household(), &log).unwrap().differing, []);
 }
 
 /// Supplies this reply until the session needs other input, and checks each request.

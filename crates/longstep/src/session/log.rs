@@ -6,6 +6,7 @@ use super::{Event, VERSION};
 
 /// A line of a log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Entry {
     /// Time of the event, as the writer gives it; never parsed.
     pub at: String,
@@ -15,6 +16,11 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// Creates the entry of an event at this time, in any notation.
+    pub fn new(at: impl Into<String>, event: Event) -> Self {
+        Self { at: at.into(), event }
+    }
+
     /// Returns the JSON line with its line break.
     pub fn line(&self) -> String {
         // Serialization cannot fail: keys are strings and numbers are finite.
@@ -26,6 +32,7 @@ impl Entry {
 
 /// A parsed log.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Log {
     /// The complete lines.
     pub entries: Vec<Entry>,

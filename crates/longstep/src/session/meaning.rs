@@ -144,7 +144,7 @@ impl Session {
         let world = &self.world;
         let goal = meant.goal.unwrap_or_default();
         let limits = self.settings.effort.map_or(self.limits, Limits::from);
-        let solution = report::of_goal(world, &goal, &turn.instruction, &limits, self.now);
+        let solution = report::of_goal(world, &goal, &turn.instruction, &limits, &self.clock);
         let mut answer = solution.answer;
         if let Some(spelled) = self.pronoun(&turn.instruction) {
             let names = spelled.meant.iter().map(|id| world.with_article(*id));
@@ -201,7 +201,7 @@ impl Session {
             return self.stage = Stage::Idle;
         };
         let world = &self.world;
-        let started = (self.now)();
+        let started = self.clock.now();
         match amend(world, proposal.plan.plan(), wishes, &proposal.purpose) {
             Amended::Done(amendment) => self.propose_amended(turn, *amendment, started),
             Amended::Impossible { why, .. } => {

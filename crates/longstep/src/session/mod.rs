@@ -17,7 +17,7 @@
 //! let planner = Planner::shipped("household")?;
 //! let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
 //!     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
-//! let model = ModelFacts { name: "mine".to_owned(), kind: ConstraintKind::JsonSchema, context: None };
+//! let model = ModelFacts::new("mine", ConstraintKind::JsonSchema);
 //! let mut session = planner.session(world, Settings::default(), model)?;
 //!
 //! session.instruct("The pen belongs on the shelf")?;
@@ -81,17 +81,57 @@ pub use why::{Why, why};
 
 use std::sync::Arc;
 
+use crate::clock::Clock;
 use crate::dialogue::{ConstraintKind, Counting, Message, Prepared, PromptError, Reading, Round, TokenCounter, Usage};
 use crate::environment::World;
 use crate::model::Domain;
 use crate::plan::PlanFile;
-use crate::report::{Answer, Stopwatch};
+use crate::report::Answer;
 use crate::search::Limits;
 
 use observed::{Pending, Taken};
 use stage::{Stage, Turn};
 
 /// A sequence of instructions in a changing world.
+///
+/// Inputs of the person are [`instruct`](Self::instruct), [`answer`](Self::answer), [`feedback`](Self::feedback),
+/// [`accept`](Self::accept), [`cancel`](Self::cancel) and [`undo`](Self::undo); those of the model are
+/// [`supply`](Self::supply) and [`failed`](Self::failed). An input that does not fit the state is an error and changes
+/// nothing.
+///
+/// # Example
+///
+/// A script takes the place of the model.
+///
+/// ```
+/// use longstep::Planner;
+/// use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+/// use longstep::session::{ModelFacts, Response, Settings};
+/// let planner = Planner::shipped("household")?;
+/// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+/// let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+/// let mut session = planner.session(world, Settings::default(), script)?;
+///
+/// session.instruct("Put it on the shelf")?;
+/// assert!(session.next_request(&mut EstimatedTokens::default())?.is_some());
+/// session.supply(&Reply::complete(r#"{"question": "Which one?", "goal": "", "left_out": []}"#), 700.0)?;
+/// assert_eq!(session.question(), Some("Which one?"));
+///
+/// session.answer("the pen")?;
+/// assert!(session.wants_model() && matches!(session.response(), Response::Waiting));
+/// session.next_request(&mut EstimatedTokens::default())?;
+/// session.supply(&Reply::complete(r#"{"question": "", "goal": "put(pen, shelf)", "left_out": []}"#), 740.0)?;
+/// let Response::Plan(proposal) = session.response() else { panic!() };
+/// assert_eq!((proposal.plan.steps().len(), session.cost().1), (6, 1440.0));
+///
+/// session.accept()?;
+/// assert_eq!(session.accepted()[0].instruction, "Put it on the shelf");
+/// assert!(session.plan_file(0).is_some() && session.instruction().is_none());
+/// assert_eq!(session.undo()?, 0);
+/// assert!(session.accepted().is_empty() && session.accept().is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Session {
     domain: Arc<Domain>,
@@ -107,18 +147,21 @@ pub struct Session {
     prompts: Vec<Vec<Message>>,
     events: Vec<Event>,
     limits: Limits,
-    now: Stopwatch,
+    clock: Clock,
 }
 
 impl Session {
-    /// Starts a session. `domain_name` identifies the domain in the log: its name or folder.
+    /// Starts a session. `domain_name` identifies the domain in the log: its name or folder. [`Planner::session`] does it
+    /// with the limits and the clock of a planner.
+    ///
+    /// [`Planner::session`]: crate::Planner::session
     pub fn new(
         domain_name: &str,
         domain: impl Into<Arc<Domain>>,
         world: World,
         settings: Settings,
         model: ModelFacts,
-        now: Stopwatch,
+        clock: Clock,
     ) -> Self {
         let begin = Event::Begin {
             version: VERSION,
@@ -138,7 +181,7 @@ impl Session {
             prompts: Vec::new(),
             events: vec![begin],
             limits: Limits::default(),
-            now,
+            clock,
         };
         session.set_model(model);
         let rules = session.world.prohibitions().iter();
@@ -157,7 +200,8 @@ impl Session {
     }
 
     /// Returns the next request for the model; none when it is the person's turn, see [`Session::response`]. `counter`
-    /// counts tokens as the model does; it is used only if the context length is known.
+    /// counts tokens as the model does; it is used only if the context length is known. See the
+    /// [example](Self#example).
     ///
     /// # Errors
     ///
@@ -179,7 +223,7 @@ impl Session {
         }
     }
 
-    /// Returns the state for the person.
+    /// Returns the state for the person. See the [example](Self#example).
     pub fn response(&self) -> Response<'_> {
         match &self.stage {
             Stage::Idle => Response::Ready,
@@ -197,6 +241,21 @@ impl Session {
 
     /// Returns the next request with its token counts by part, or none if no model reply is pending.
     ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Response, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.instruct("Put the pen on the shelf")?;
+    /// let prepared = session.explain(&mut EstimatedTokens::default())?.unwrap();
+    /// assert!(!prepared.costs.is_empty() && session.wants_model());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// As for [`Session::next_request`].
@@ -212,7 +271,25 @@ impl Session {
         }
     }
 
-    /// Returns the events since the last call.
+    /// Returns the events since the last call. [`Planner::resume`](crate::Planner::resume) restores the session from all
+    /// of them.
+    ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Response, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// assert_eq!(session.take_events().len(), 2); // the beginning, and the model
+    /// session.instruct("Put the pen on the shelf")?;
+    /// session.cancel()?;
+    /// assert_eq!(session.take_events().len(), 2);
+    /// assert!(session.take_events().is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.events)
     }
@@ -232,12 +309,12 @@ impl Session {
         self.settings
     }
 
-    /// Returns the accepted plans, in order.
+    /// Returns the accepted plans, in order. See the [example](Self#example).
     pub fn accepted(&self) -> &[Accepted] {
         &self.accepted
     }
 
-    /// Returns the plan that waits for a decision.
+    /// Returns the plan that waits for a decision. See the [example](Self#example).
     pub fn proposal(&self) -> Option<&Proposal> {
         match &self.stage {
             Stage::Proposed(turn) => turn.proposal.as_deref(),
@@ -245,7 +322,25 @@ impl Session {
         }
     }
 
-    /// Returns the reason why the instruction failed, if it did.
+    /// Returns the reason why the instruction failed, if it did. Another instruction or feedback may follow.
+    ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Response, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.instruct("Put the pen on the shelf")?;
+    /// session.failed("the server is down")?;
+    /// assert_eq!(session.failure().unwrap().to_string(), "the server is down");
+    /// assert!(matches!(session.response(), Response::NoPlan(_)));
+    /// session.instruct("Put the pen on the shelf")?;
+    /// assert!(session.failure().is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn failure(&self) -> Option<&Failure> {
         match &self.stage {
             Stage::Stuck(_, failure) => Some(failure),
@@ -253,7 +348,7 @@ impl Session {
         }
     }
 
-    /// Returns the question that waits for the person's answer.
+    /// Returns the question that waits for the person's answer. See the [example](Self#example).
     pub fn question(&self) -> Option<&str> {
         match &self.stage {
             Stage::Question(_, _, question) => Some(question),
@@ -261,7 +356,7 @@ impl Session {
         }
     }
 
-    /// Returns true if the session waits for a model's reply.
+    /// Returns true if the session waits for a model's reply. See the [example](Self#example).
     pub fn wants_model(&self) -> bool {
         matches!(self.stage, Stage::Asking(..))
     }
@@ -271,13 +366,13 @@ impl Session {
         &self.model
     }
 
-    /// Returns the current instruction.
+    /// Returns the current instruction. See the [example](Self#example).
     pub fn instruction(&self) -> Option<&str> {
         self.turn().map(|turn| turn.instruction.as_str())
     }
 
     /// Returns how the last words of the person were understood: the answers of the model, and the row of the table that
-    /// decided.
+    /// decided. Empty between instructions.
     pub fn readings(&self) -> &[Reading] {
         self.turn().map_or(&[], |turn| &turn.readings)
     }
@@ -291,13 +386,29 @@ impl Session {
         }
     }
 
-    /// Returns the token counts of the current instruction so far, and the time of its model calls in milliseconds.
+    /// Returns the token counts of the current instruction so far, and the time of its model calls in milliseconds. See
+    /// the [example](Self#example).
     pub fn cost(&self) -> (Usage, f64) {
         self.turn()
             .map_or_else(Default::default, |turn| (turn.usage, turn.model_milliseconds))
     }
 
     /// Sets the model for the following requests.
+    ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Response, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.set_model(ModelFacts::new("another", ConstraintKind::Grammar).with_context(8192));
+    /// session.set_settings(Settings::default().with_rounds(1));
+    /// assert_eq!((session.model().context, session.settings().rounds), (Some(8192), 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn set_model(&mut self, model: ModelFacts) {
         self.events.push(Event::Model {
             name: model.name.clone(),
@@ -313,13 +424,13 @@ impl Session {
         }
     }
 
-    /// Sets the settings for the following inputs.
+    /// Sets the settings for the following inputs. See the example of [`Session::set_model`].
     pub fn set_settings(&mut self, settings: Settings) {
         self.events.push(Event::Settings(settings));
         self.settings = settings;
     }
 
-    /// Starts an instruction. It replaces one that is stuck.
+    /// Starts an instruction. It replaces one that is stuck. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -346,7 +457,7 @@ impl Session {
         Ok(())
     }
 
-    /// Answers the question.
+    /// Answers the question. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -368,6 +479,27 @@ impl Session {
     }
 
     /// Gives feedback on the proposed plan, or on an instruction that is stuck.
+    ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Response, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// # session.instruct("Put the pen on the shelf")?;
+    /// # session.next_request(&mut EstimatedTokens::default())?;
+    /// # session.supply(&Reply::complete(r#"{"question": "", "goal": "put(pen, shelf)", "left_out": []}"#), 0.0)?;
+    /// session.feedback("insert another move_object() to lift the pen higher")?;
+    /// session.next_request(&mut EstimatedTokens::default())?;
+    /// let reply = r#"{"question": "", "goal": false, "edits": ["insert move_object() after 4"]}"#;
+    /// session.supply(&Reply::complete(reply), 740.0)?;
+    /// assert_eq!(session.proposal().unwrap().plan.steps().len(), 7);
+    /// assert!(session.proposal().unwrap().refused.is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -400,7 +532,7 @@ impl Session {
 
     /// Accepts the plan, and answers its question ([`Proposal::question`]) with yes. The next instruction starts in its
     /// final world. If the plan has several endings, [`Session::ended`] must select one first. If it offers a rule
-    /// ([`Proposal::offers_rule`]), the rule is put in force instead.
+    /// ([`Proposal::offers_rule`]), the rule is put in force instead. See the [example](Self#example).
     ///
     /// # Errors
     ///
@@ -437,6 +569,22 @@ impl Session {
 
     /// Cancels the current activity: feedback, after which the plan is proposed again, or else the instruction.
     ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Response, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.instruct("Put the pen on the shelf")?;
+    /// session.cancel()?;
+    /// assert!(matches!(session.response(), Response::Ready));
+    /// assert!(session.cancel().is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// There is nothing to cancel.
@@ -456,7 +604,8 @@ impl Session {
         Ok(())
     }
 
-    /// Reverts the last accepted plan and returns its number. What was observed since stays as it was observed.
+    /// Reverts the last accepted plan and returns its number. What was observed since stays as it was observed. See the
+    /// [example](Self#example).
     ///
     /// # Errors
     ///
@@ -482,7 +631,8 @@ impl Session {
         Ok(number)
     }
 
-    /// Returns the plan with this number in its saved form, with its domain.
+    /// Returns the accepted plan with this number, from 0, in its saved form, with its domain. See the
+    /// [example](Self#example).
     pub fn plan_file(&self, number: usize) -> Option<PlanFile> {
         Some(self.accepted.get(number)?.file().of_domain(self.domain()))
     }

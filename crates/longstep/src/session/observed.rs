@@ -9,6 +9,7 @@ use longstep_core::model::{Voice, change_text, changed_facts};
 
 /// The result of an observation.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Observed {
     /// The differences from the world that the session expected, as sentences: "the milk is not in the fridge any more".
     pub changes: Vec<String>,
@@ -79,7 +80,7 @@ impl Session {
     /// let planner = Planner::shipped("household")?;
     /// let world = planner.world(r#"{"assets": ["<table>", "<fridge>"], "objects": ["<milk>"],
     ///     "object_states": {"<milk>": "inside_something(<fridge>)"}}"#)?;
-    /// let model = ModelFacts { name: "mine".to_owned(), kind: ConstraintKind::JsonSchema, context: None };
+    /// let model = ModelFacts::new("mine", ConstraintKind::JsonSchema);
     /// let mut session = planner.session(world, Settings::default(), model)?;
     /// let seen = serde_json::from_str(r#"{"states": {"<milk>": "on_something(<table>)"}}"#)?;
     /// let observed = session.observed(&seen)?;
@@ -103,6 +104,27 @@ impl Session {
 
     /// Records that a robot carried out an accepted plan, the first of [`Session::pending`], with what was observed at
     /// the end. `reached` is false if the run stopped before the plan's goal: then the plan still waits.
+    ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.instruct("Put the pen on the shelf")?;
+    /// # session.next_request(&mut EstimatedTokens::default())?;
+    /// session.supply(&Reply::complete(r#"{"question": "", "goal": "put(pen, shelf)", "left_out": []}"#), 0.0)?;
+    /// session.accept()?;
+    /// assert_eq!(session.pending(), 0..1);
+    /// assert_eq!(session.robot_world().environment().object_states["<pen>"].as_slice(), ["on_something(<desk>)"]);
+    /// let seen = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<shelf>)"}}"#)?;
+    /// assert!(session.carried_out(0, true, &seen)?.changes.is_empty());
+    /// assert!(session.pending().is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -128,7 +150,8 @@ impl Session {
         Ok(observed)
     }
 
-    /// Returns the numbers of the accepted plans that wait for a robot, in order.
+    /// Returns the numbers of the accepted plans that wait for a robot, in order. See the example of
+    /// [`Session::carried_out`].
     ///
     /// A plan waits until a robot has carried it out ([`Session::carried_out`]). Plans that a robot has not carried out
     /// when the world is observed wait until another plan is accepted, which begins in the observed world.
@@ -137,7 +160,7 @@ impl Session {
     }
 
     /// Returns the world as far as robots have brought it: before the accepted plans that wait, unless the world was
-    /// observed since they were accepted.
+    /// observed since they were accepted. See the example of [`Session::carried_out`].
     pub fn robot_world(&self) -> &World {
         match self.accepted.get(self.pending.first) {
             Some(first) if !self.pending.is_left => &first.before,

@@ -1,11 +1,10 @@
 //! Sessions whose world is observed between instructions, and whose plans a robot carries out.
 
-use super::tests::{goals, household, reply, text_of};
-use super::{Log, ModelFacts, ObserveError, Session, Settings, replay};
+use super::tests::{goals, household, reply, scripted, text_of};
+use super::{Log, ObserveError, Session, Settings, replay};
+use crate::Clock;
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain;
-use crate::environment::{self, Environment};
-use crate::json::Path;
 use longstep_core::environment::Observation;
 
 const KITCHEN: &str = r#"{"assets": ["<table>", "<shelf>", "<fridge>"], "objects": ["<milk>", "<cup>"],
@@ -16,14 +15,7 @@ const CHECKS: &str = r#"{"assets": ["<worktop>", "<shelf>", "<trash_bin>"], "obj
 
 fn session_of(name: &str, text: &str) -> Session {
     let domain = domain::shipped(name).unwrap().unwrap();
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
-    let model = ModelFacts {
-        name: "script".to_owned(),
-        kind: ConstraintKind::JsonSchema,
-        context: None,
-    };
-    Session::new(name, domain, world, Settings::default(), model, || 0.0)
+    scripted(domain, text, ConstraintKind::JsonSchema, Settings::default())
 }
 
 fn session() -> Session {
@@ -55,7 +47,7 @@ fn place(session: &Session, object: &str) -> String {
 /// Resumes the session from its log at every step of a test, and compares.
 fn resumed(session: &Session, log: &str) -> Session {
     let read = Log::read(log.as_bytes()).unwrap();
-    let again = Session::resume(session.domain().clone(), &read, || 0.0).unwrap();
+    let again = Session::resume(session.domain().clone(), &read, Clock::none()).unwrap();
     assert_eq!(again.dropped, None);
     let mut again = again.session;
     assert_eq!(again.world().environment(), session.world().environment());
@@ -64,7 +56,7 @@ fn resumed(session: &Session, log: &str) -> Session {
     assert_eq!(again.robot_world().environment(), session.robot_world().environment());
     assert_eq!(again.endings(), session.endings());
     assert_eq!(again.take_events(), []);
-    let same = replay(session.domain().clone(), &read, || 0.0).unwrap();
+    let same = replay(session.domain().clone(), &read).unwrap();
     assert_eq!(same.differing, []);
     again
 }
@@ -251,7 +243,7 @@ fn an_interrupted_session_loses_no_plan_by_an_observation() {
             .events()
             .filter(|event| matches!(event, super::Event::Accept { .. }));
         let plans = plans.count();
-        let again = Session::resume(household(), &log, || 0.0).unwrap();
+        let again = Session::resume(household(), &log, Clock::none()).unwrap();
         assert_eq!(again.session.accepted().len(), plans, "cut at {cut}");
     }
 }

@@ -8,8 +8,11 @@
 //! not read as a step after that: nearly every step verifies somewhere, so this would show nothing. Words with a call, or with
 //! the number of a step that is to change, are about the steps, and are not read as a goal.
 
+use std::time::Duration;
+
 use super::pending::{Asking, What};
 use super::{Event, Proposal, Refusal, Session, Stage, Turn};
+use crate::clock::Clock;
 use crate::feedback::{Amendment, FeedbackDialogue, StepWish, reordered};
 use crate::report::{Answer, EditAnswer};
 
@@ -26,7 +29,7 @@ impl Session {
         let Some(proposal) = turn.proposal.as_deref() else {
             return self.stage = Stage::Idle;
         };
-        let started = (self.now)();
+        let started = self.clock.now();
         let (plan, purpose) = (proposal.plan.plan(), &proposal.purpose);
         let amendment = reordered(&self.world, plan, wishes, purpose);
         if let Some(amendment) = amendment {
@@ -73,7 +76,7 @@ impl Session {
     }
 
     /// Proposes a changed plan; the change began to be looked for at this time.
-    pub(super) fn propose_amended(&mut self, turn: Turn, amendment: Amendment, started: f64) {
+    pub(super) fn propose_amended(&mut self, turn: Turn, amendment: Amendment, started: Duration) {
         let Some(proposal) = turn.proposal.as_deref() else {
             return self.stage = Stage::Idle;
         };
@@ -85,7 +88,7 @@ impl Session {
         let report = amendment.plan.report();
         let mut answer = Answer::of_report(world, report, goal.as_ref(), &turn.instruction);
         answer.edits = amendment.edits.iter().map(EditAnswer::from).collect();
-        answer.timings_ms.search = (self.now)() - started;
+        answer.timings_ms.search = Clock::milliseconds(started, self.clock.now());
         (answer.coverage, answer.not_represented) = (coverage, not_represented);
         turn.price(&mut answer);
         let proposal = Proposal {

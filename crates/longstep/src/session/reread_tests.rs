@@ -1,13 +1,10 @@
 //! Feedback that has more than one reading.
 
-use std::sync::Arc;
-
-use super::tests::{edits, goals, reply, text_of};
-use super::{Event, Log, ModelFacts, Session, Settings, replay};
+use super::tests::{edits, goals, household, reply, scripted, text_of};
+use super::{Event, Log, Session, Settings, replay};
+use crate::Clock;
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain;
-use crate::environment::{self, Environment};
-use crate::json::Path;
 use crate::plan::Step;
 
 /// A household whose fridge was left open.
@@ -23,15 +20,8 @@ const STUDIO: &str = r#"{
     "asset_properties": {"<fridge_2>": ["IS_OPENABLE"], "<desk_1>": ["NOT_OPENABLE"], "<sofa_3>": ["NOT_OPENABLE"]}}"#;
 
 fn session(name: &str, environment: &str, kind: ConstraintKind) -> Session {
-    let domain = Arc::new(domain::shipped(name).unwrap().unwrap());
-    let read = Environment::from_json(environment).unwrap();
-    let world = environment::read(&domain, &read, "", "", &Path::default()).unwrap();
-    let model = ModelFacts {
-        name: "script".to_owned(),
-        kind,
-        context: None,
-    };
-    Session::new(name, domain, world, Settings::default(), model, || 0.0)
+    let domain = domain::shipped(name).unwrap().unwrap();
+    scripted(domain, environment, kind, Settings::default())
 }
 
 /// Has a model answer the request that the session has for it.
@@ -251,8 +241,8 @@ fn resume_accepts_a_log_that_refuses_at_once() {
         why: vec!["step 4: no".to_owned()],
     });
     let log = Log::read(text_of(events).as_bytes()).unwrap();
-    let resumed = Session::resume(Arc::new(domain::shipped("household").unwrap().unwrap()), &log, || 0.0).unwrap();
+    let resumed = Session::resume(household(), &log, Clock::none()).unwrap();
     assert_eq!(refusals(&resumed.session), ["step 4: no"]);
-    let replayed = replay(Arc::new(domain::shipped("household").unwrap().unwrap()), &log, || 0.0).unwrap();
+    let replayed = replay(household(), &log).unwrap();
     assert_eq!(replayed.differing.len(), 1);
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::{Accepted, Event, Log, ModelFacts, ObserveError, OutOfTurn, RuleError, Session, Stage, StepRecord};
+use crate::clock::Clock;
 use crate::diagnostic::Diagnostics;
 use crate::dialogue::{ConstraintKind, Message, Role};
 use crate::environment;
@@ -13,7 +14,6 @@ use crate::goal::{self, Goal};
 use crate::json::Path;
 use crate::model::Domain;
 use crate::plan::{Plan, PlanFile, Step, resolve};
-use crate::report::Stopwatch;
 use crate::verify::{Purpose, check};
 
 /// Reason why a session cannot be resumed.
@@ -38,6 +38,7 @@ pub enum ResumeError {
 
 /// A resumed session.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Resumed {
     /// The session in its last state.
     pub session: Session,
@@ -54,8 +55,8 @@ impl Session {
     /// # Errors
     ///
     /// The domain has changed, and the environment or an accepted plan no longer fits it.
-    pub fn resume(domain: impl Into<Arc<Domain>>, log: &Log, now: Stopwatch) -> Result<Resumed, ResumeError> {
-        let mut session = begin(domain.into(), log, now)?;
+    pub fn resume(domain: impl Into<Arc<Domain>>, log: &Log, clock: Clock) -> Result<Resumed, ResumeError> {
+        let mut session = begin(domain.into(), log, clock)?;
         let mut tail: Vec<&Event> = Vec::new();
         for event in log.events().skip(1) {
             match event {
@@ -222,14 +223,12 @@ impl Session {
                 Ok(())
             }
             Event::Model { name, schema, context } => {
-                self.set_model(ModelFacts {
-                    name: name.clone(),
-                    kind: match schema {
-                        true => ConstraintKind::JsonSchema,
-                        false => ConstraintKind::Grammar,
-                    },
-                    context: *context,
-                });
+                let kind = if *schema {
+                    ConstraintKind::JsonSchema
+                } else {
+                    ConstraintKind::Grammar
+                };
+                self.set_model(ModelFacts::new(name, kind).with_context(*context));
                 Ok(())
             }
             Event::Settings(settings) => {
@@ -278,7 +277,7 @@ fn is_older(log: &Log) -> bool {
 /// The version of logs since which an instruction has one request.
 const ONE_REQUEST: u32 = 5;
 
-fn begin(domain: Arc<Domain>, log: &Log, now: Stopwatch) -> Result<Session, ResumeError> {
+fn begin(domain: Arc<Domain>, log: &Log, clock: Clock) -> Result<Session, ResumeError> {
     let Some(Event::Begin {
         domain: name,
         environment,
@@ -289,13 +288,9 @@ fn begin(domain: Arc<Domain>, log: &Log, now: Stopwatch) -> Result<Session, Resu
         return Err(ResumeError::Contradiction("it does not begin".to_owned()));
     };
     // The second line of the log names the model.
-    let model = ModelFacts {
-        name: String::new(),
-        kind: ConstraintKind::Grammar,
-        context: None,
-    };
+    let model = ModelFacts::new("", ConstraintKind::Grammar);
     let world = environment::read(&domain, environment, "environment", "", &Path::default())?;
-    let mut session = Session::new(name, domain, world, *settings, model, now);
+    let mut session = Session::new(name, domain, world, *settings, model, clock);
     session.events.clear();
     Ok(session)
 }
@@ -311,6 +306,7 @@ fn message(record: &super::MessageRecord) -> Message {
 
 /// Result of a replay.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Replay {
     /// Number of instructions in the log.
     pub instructions: usize,
@@ -322,6 +318,7 @@ pub struct Replay {
 
 /// A difference between a log and its replay.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ReplayDifference {
     /// Line of the log, from 1.
     pub line: usize,
@@ -337,8 +334,8 @@ pub struct ReplayDifference {
 /// # Errors
 ///
 /// The first environment of the log does not fit the domain, or the log does not start a session.
-pub fn replay(domain: impl Into<Arc<Domain>>, log: &Log, now: Stopwatch) -> Result<Replay, ResumeError> {
-    let mut session = begin(domain.into(), log, now)?;
+pub fn replay(domain: impl Into<Arc<Domain>>, log: &Log) -> Result<Replay, ResumeError> {
+    let mut session = begin(domain.into(), log, Clock::none())?;
     let mut replay = Replay {
         instructions: 0,
         accepted: 0,

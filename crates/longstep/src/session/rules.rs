@@ -39,6 +39,23 @@ impl RuleError {
 impl Session {
     /// Puts a rule in force for all later plans: `never opened(fridge)`, `always closed(door)`, `untouched(vase)`.
     ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, RuleError, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.add_rule("untouched(pen)")?;
+    /// assert_eq!(session.rules()[0].written, "untouched(<pen>)");
+    /// assert!(matches!(session.add_rule("untouched(pen)"), Err(RuleError::Known(_))));
+    /// assert_eq!(session.lift_rule(0)?, "untouched(<pen>)");
+    /// assert_eq!(session.lift_rule(0), Err(RuleError::Unknown(0)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// The text is no constraint of the goal language, the rule is in force already, or an instruction is in progress.
@@ -61,7 +78,8 @@ impl Session {
         Ok(())
     }
 
-    /// Lifts the rule with this number, counted from 0 in the order of [`Session::rules`]; returns its text.
+    /// Lifts the rule with this number, counted from 0 in the order of [`Session::rules`]; returns its text. See
+    /// the example of [`Session::add_rule`].
     ///
     /// # Errors
     ///
@@ -78,7 +96,7 @@ impl Session {
         Ok(lifted)
     }
 
-    /// Returns the rules in force, in the order in which they were given.
+    /// Returns the rules in force, in the order in which they were given. See the example of [`Session::add_rule`].
     pub fn rules(&self) -> &[Prohibition] {
         self.world.prohibitions()
     }

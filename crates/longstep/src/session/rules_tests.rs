@@ -1,22 +1,17 @@
 //! Standing rules: what they forbid, and how long they last.
 
-use super::tests::{MOVE_PEN, direct, goals, household, pen_plan, reply};
-use super::{Entry, Event, Failure, Log, ModelFacts, Response, RuleError, Session, Settings};
+use super::tests::{MOVE_PEN, direct, goals, household, pen_plan, reply, scripted};
+use super::{Entry, Event, Failure, Log, Response, RuleError, Session, Settings};
+use crate::Clock;
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::report::Status;
-use longstep_core::environment;
+use longstep_core::testing;
 
 const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<ruler>"],
     "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "on_something(<desk>)"}}"#;
 
 fn session(settings: Settings) -> Session {
-    let world = environment::parse(&household(), "scene", SCENE).unwrap();
-    let model = ModelFacts {
-        name: "script".to_owned(),
-        kind: ConstraintKind::JsonSchema,
-        context: None,
-    };
-    Session::new("household", household(), world, settings, model, || 0.0)
+    scripted(household(), SCENE, ConstraintKind::JsonSchema, settings)
 }
 
 fn answered(session: &mut Session, instruction: &str, text: &str) {
@@ -94,7 +89,7 @@ fn session_expands_groups_in_goals_of_the_model() {
 
 #[test]
 fn a_plan_that_cannot_be_repaired_has_a_reason() {
-    let world = environment::parse(&household(), "scene", SCENE).unwrap();
+    let world = testing::world_of(&household(), SCENE);
     let rules = longstep_core::goal::rules(&world, "untouched(pen)").unwrap();
     let world = world.with_prohibitions(rules);
     let draft = longstep_core::plan::read(&pen_plan(&MOVE_PEN, "shelf")).unwrap();
@@ -112,7 +107,7 @@ fn a_plan_that_cannot_be_repaired_has_a_reason() {
 
 #[test]
 fn a_plan_that_a_model_writes_keeps_to_the_rules() {
-    let mut session = session(Settings { rounds: 0, ..direct() });
+    let mut session = session(direct().with_rounds(0));
     session.add_rule("untouched(pen)").unwrap();
     answered(&mut session, "put the pen on the shelf", &pen_plan(&MOVE_PEN, "shelf"));
     assert!(
@@ -155,11 +150,11 @@ fn a_log_keeps_rules() {
     session.accept().unwrap();
     let line = |event: Event| {
         let at = "2026-01-01T00:00:00Z".to_owned();
-        Entry { at, event }.line()
+        Entry::new(at, event).line()
     };
     let text: String = session.take_events().into_iter().map(line).collect();
     let log = Log::read(text.as_bytes()).unwrap();
-    let mut resumed = Session::resume(household(), &log, || 0.0).unwrap().session;
+    let mut resumed = Session::resume(household(), &log, Clock::none()).unwrap().session;
     let written: Vec<&str> = resumed.rules().iter().map(|rule| rule.written.as_str()).collect();
     assert_eq!(written, ["untouched(<ruler>)"]);
     answered(

@@ -30,8 +30,17 @@ pub enum RepairPolicy {
 }
 
 /// Settings of a session.
+///
+/// # Example
+///
+/// ```
+/// use longstep::session::{Settings, Strategy};
+/// let settings = Settings::default().with_strategy(Strategy::Direct).with_rounds(1);
+/// assert_eq!((settings.rounds, settings.history, settings.accept), (1, 2, false));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
+#[non_exhaustive]
 pub struct Settings {
     /// The planning strategy.
     pub strategy: Strategy,
@@ -70,8 +79,63 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// Sets the planning strategy. See the [example](Self#example).
+    #[must_use]
+    pub fn with_strategy(self, strategy: Strategy) -> Self {
+        Self { strategy, ..self }
+    }
+
+    /// Sets the treatment of invalid plans.
+    #[must_use]
+    pub fn with_repair(self, repair: RepairPolicy) -> Self {
+        Self { repair, ..self }
+    }
+
+    /// Sets the maximum number of corrections sent to the model, for each instruction.
+    #[must_use]
+    pub fn with_rounds(self, rounds: u32) -> Self {
+        Self { rounds, ..self }
+    }
+
+    /// Accepts verified plans automatically, or not.
+    #[must_use]
+    pub fn with_accept(self, accept: bool) -> Self {
+        Self { accept, ..self }
+    }
+
+    /// Sets the maximum number of earlier instructions in a prompt of the direct strategy.
+    #[must_use]
+    pub fn with_history(self, history: usize) -> Self {
+        Self { history, ..self }
+    }
+
+    /// Sets the work of a search for a goal; none for the limits of the planner.
+    #[must_use]
+    pub fn with_effort(self, effort: impl Into<Option<Effort>>) -> Self {
+        Self {
+            effort: effort.into(),
+            ..self
+        }
+    }
+
+    /// Proposes a plan that leaves out a part of the instruction like any other, or not.
+    #[must_use]
+    pub fn with_partial(self, partial: bool) -> Self {
+        Self { partial, ..self }
+    }
+}
+
 /// Properties of the model that a session depends on.
+///
+/// ```
+/// use longstep::dialogue::ConstraintKind;
+/// use longstep::session::ModelFacts;
+/// let model = ModelFacts::new("mine", ConstraintKind::JsonSchema).with_context(8192);
+/// assert_eq!(model.context, Some(8192));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ModelFacts {
     /// Name for the log.
     pub name: String,
@@ -79,4 +143,24 @@ pub struct ModelFacts {
     pub kind: ConstraintKind,
     /// Context length in tokens, for prompt and answer together, if known.
     pub context: Option<u64>,
+}
+
+impl ModelFacts {
+    /// Describes a model with this name and kind of constraint, whose context length is not known.
+    pub fn new(name: impl Into<String>, kind: ConstraintKind) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            context: None,
+        }
+    }
+
+    /// Sets the context length in tokens, if it is known.
+    #[must_use]
+    pub fn with_context(self, context: impl Into<Option<u64>>) -> Self {
+        Self {
+            context: context.into(),
+            ..self
+        }
+    }
 }

@@ -47,6 +47,7 @@ impl fmt::Display for Response<'_> {
 
 /// A verified plan that waits for the person's decision.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Proposal {
     /// The plan.
     pub plan: VerifiedPlan,

@@ -1,15 +1,16 @@
 //! Sessions with fixed replies in the form of a server.
 
+use std::fmt::Display;
 use std::sync::{Arc, LazyLock};
 
 use super::{
     Entry, Event, Failure, Log, LogError, ModelFacts, Refusal, RepairPolicy, Response, Session, Settings, Strategy,
     replay,
 };
+use crate::Clock;
 use crate::dialogue::{ConstraintKind, EstimatedTokens, PromptError, Reply, Usage};
 use crate::domain::{self, Domain};
-use crate::environment::{self, Environment};
-use crate::json::Path;
+use longstep_core::testing;
 
 const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>", "<ruler>", "<cupboard_handle>"],
     "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "inside_something(<cupboard>)",
@@ -22,26 +23,26 @@ pub(super) fn household() -> Arc<Domain> {
     HOUSEHOLD.clone()
 }
 
-fn session(settings: Settings) -> Session {
-    session_in(household(), settings)
+/// A session in an environment, with a script in place of a model.
+pub(super) fn scripted(
+    domain: impl Into<Arc<Domain>>,
+    environment: impl Display,
+    kind: ConstraintKind,
+    settings: Settings,
+) -> Session {
+    let domain = domain.into();
+    let world = testing::world_of(&domain, environment);
+    let name = domain.origin.clone();
+    let model = ModelFacts::new("script", kind);
+    Session::new(&name, domain, world, settings, model, Clock::none())
 }
 
-fn session_in(household: Arc<Domain>, settings: Settings) -> Session {
-    let environment = Environment::from_json(SCENE).unwrap();
-    let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
-    let model = ModelFacts {
-        name: "script".to_owned(),
-        kind: ConstraintKind::JsonSchema,
-        context: None,
-    };
-    Session::new("household", household, world, settings, model, || 0.0)
+fn session(settings: Settings) -> Session {
+    scripted(household(), SCENE, ConstraintKind::JsonSchema, settings)
 }
 
 pub(super) fn direct() -> Settings {
-    Settings {
-        strategy: Strategy::Direct,
-        ..Settings::default()
-    }
+    Settings::default().with_strategy(Strategy::Direct)
 }
 
 pub(super) fn reply(text: &str) -> Reply {
@@ -118,10 +119,7 @@ fn state(session: &Session, identifier: &str) -> String {
 }
 
 pub(super) fn text_of(events: Vec<Event>) -> String {
-    let entry = |event| Entry {
-        at: "2026-01-01T00:00:00Z".to_owned(),
-        event,
-    };
+    let entry = |event| Entry::new("2026-01-01T00:00:00Z".to_owned(), event);
     events.into_iter().map(|event| entry(event).line()).collect()
 }
 
@@ -279,11 +277,7 @@ fn a_plan_of_the_model_is_repaired_before_it_is_asked_again() {
 #[test]
 fn session_without_repair_sends_violations_to_the_model() {
     for (repair, mended) in [(RepairPolicy::Never, false), (RepairPolicy::AfterFeedback, true)] {
-        let settings = Settings {
-            repair,
-            rounds: 1,
-            ..direct()
-        };
+        let settings = direct().with_repair(repair).with_rounds(1);
         let mut session = session(settings);
         let bad = pen_plan(&MOVE_PEN[1..], "shelf");
         play(
@@ -312,7 +306,7 @@ fn replies_that_are_no_plan_are_asked_for_again_and_then_given_up() {
         "[]",
         "",
     ] {
-        let settings = Settings { rounds: 2, ..direct() };
+        let settings = direct().with_rounds(2);
         let mut session = session(settings);
         play(
             &mut session,
@@ -344,7 +338,7 @@ fn repair_does_not_undo_feedback_in_a_plan_of_the_model() {
         .copied()
         .filter(|call| *call != "grasp_object()")
         .collect();
-    let settings = Settings { rounds: 0, ..direct() };
+    let settings = direct().with_rounds(0);
     session.set_settings(settings);
     play(
         &mut session,
@@ -366,10 +360,7 @@ fn repair_does_not_undo_feedback_in_a_plan_of_the_model() {
 
 #[test]
 fn session_keeps_violations_if_a_correction_exceeds_context() {
-    let mut session = session(Settings {
-        repair: RepairPolicy::Never,
-        ..direct()
-    });
+    let mut session = session(direct().with_repair(RepairPolicy::Never));
     session.instruct("The pen goes on the shelf").unwrap();
     let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
     let forecast = prepared.forecast.unwrap();
@@ -393,7 +384,7 @@ fn feedback_to_the_model_does_not_bring_back_what_a_person_took_out() {
         .copied()
         .filter(|call| *call != "grasp_object()")
         .collect();
-    session.set_settings(Settings { rounds: 1, ..direct() });
+    session.set_settings(direct().with_rounds(1));
     play(
         &mut session,
         &[
@@ -414,7 +405,7 @@ fn feedback_to_the_model_does_not_bring_back_what_a_person_took_out() {
 #[test]
 fn session_asks_again_and_refuses_a_plan_that_ignores_feedback() {
     let mut session = session(direct());
-    session.set_settings(Settings { rounds: 1, ..direct() });
+    session.set_settings(direct().with_rounds(1));
     let plan = pen_plan(&MOVE_PEN, "shelf");
     play(
         &mut session,
@@ -460,10 +451,7 @@ fn session_escapes_control_tokens_in_earlier_instructions() {
 
 #[test]
 fn plans_are_accepted_without_asking_where_that_is_wanted() {
-    let settings = Settings {
-        accept: true,
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_accept(true);
     let mut session = session(settings);
     play(
         &mut session,
@@ -488,11 +476,7 @@ fn plans_are_accepted_without_asking_where_that_is_wanted() {
 #[test]
 fn a_prompt_that_cannot_fit_is_a_limit_and_says_by_how_much() {
     let mut session = session(direct());
-    let small = ModelFacts {
-        name: "small".to_owned(),
-        kind: ConstraintKind::JsonSchema,
-        context: Some(300),
-    };
+    let small = ModelFacts::new("small", ConstraintKind::JsonSchema).with_context(300);
     session.set_model(small);
     session.instruct("The pen goes on the shelf").unwrap();
     let error = session.next_request(&mut EstimatedTokens::default()).unwrap_err();
@@ -560,7 +544,7 @@ fn a_session_cut_off_at_any_byte_goes_on_with_every_accepted_plan() {
             Event::Undo { number } => *number,
             _ => plans,
         });
-        let resumed = Session::resume(household(), &log, || 0.0).unwrap();
+        let resumed = Session::resume(household(), &log, Clock::none()).unwrap();
         assert_eq!(resumed.session.accepted().len(), standing, "cut at {cut}");
         assert_eq!(resumed.dropped, None, "cut at {cut}");
     }
@@ -570,7 +554,7 @@ fn a_session_cut_off_at_any_byte_goes_on_with_every_accepted_plan() {
 fn resumed_session_equals_the_original() {
     let (original, text) = eventful();
     let log = Log::read(text.as_bytes()).unwrap();
-    let mut resumed = Session::resume(household(), &log, || 0.0).unwrap().session;
+    let mut resumed = Session::resume(household(), &log, Clock::none()).unwrap().session;
     assert_eq!(resumed.take_events(), []);
     assert_eq!(calls(&resumed), calls(&original));
     assert_eq!(resumed.world().environment(), original.world().environment());
@@ -592,13 +576,13 @@ fn resumed_session_equals_the_original() {
 fn session_replay_reports_differences_from_the_log() {
     let (_, text) = eventful();
     let log = Log::read(text.as_bytes()).unwrap();
-    let same = replay(household(), &log, || 0.0).unwrap();
+    let same = replay(household(), &log).unwrap();
     assert_eq!((same.instructions, same.accepted, same.differing), (5, 2, Vec::new()));
 
     // The reply differs from the recorded plan.
     let forged = text.replacen("put(pen, shelf)", "put(pen, desk)", 1);
     let log = Log::read(forged.as_bytes()).unwrap();
-    let other = replay(household(), &log, || 0.0).unwrap();
+    let other = replay(household(), &log).unwrap();
     assert!(!other.differing.is_empty());
 }
 
@@ -613,7 +597,7 @@ fn resume_rejects_a_forged_plan_in_the_log() {
     );
     assert_ne!(forged, text);
     let log = Log::read(forged.as_bytes()).unwrap();
-    let error = Session::resume(household(), &log, || 0.0).unwrap_err();
+    let error = Session::resume(household(), &log, Clock::none()).unwrap_err();
     assert!(
         error
             .to_string()
@@ -655,7 +639,7 @@ fn resume_keeps_accepted_plans_under_a_new_tidy_rule() {
     let mut files = domain::shipped_files("household").unwrap();
     files.words = files.words.replace("holds = \"tidy\"", "holds = \"start\"");
     let untidy = Arc::new(domain::load(&files).unwrap());
-    let mut session = session_in(untidy, Settings::default());
+    let mut session = scripted(untidy, SCENE, ConstraintKind::JsonSchema, Settings::default());
     play(
         &mut session,
         &[
@@ -666,7 +650,7 @@ fn resume_keeps_accepted_plans_under_a_new_tidy_rule() {
     );
     assert_eq!(state(&session, "<cupboard_handle>"), "open()");
     let log = Log::read(text_of(session.take_events()).as_bytes()).unwrap();
-    let mut resumed = Session::resume(household(), &log, || 0.0).unwrap().session;
+    let mut resumed = Session::resume(household(), &log, Clock::none()).unwrap().session;
     assert_eq!(state(&resumed, "<cupboard_handle>"), "open()");
     // Plans from now on leave the cupboard as it is.
     play(

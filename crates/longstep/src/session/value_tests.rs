@@ -1,36 +1,22 @@
 //! Values in a session: quantities and texts that instructions and replies mention.
 
-use super::tests::{goals, reply};
-use super::{Entry, Event, Log, ModelFacts, Response, Session, Settings};
+use super::tests::{goals, reply, scripted};
+use super::{Entry, Event, Log, Response, Session, Settings};
+use crate::Clock;
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain::Domain;
-use longstep_core::domain::{Files, load};
-use longstep_core::environment;
+use longstep_core::testing;
 
 const FLAT: &str = r#"{"assets": ["<thermostat>", "<oven>"], "objects": ["<pie>"],
     "asset_states": {"<thermostat>": "set_to(18 degC)"}, "asset_properties": {"<oven>": ["OVEN"]}}"#;
 
-fn home() -> longstep_core::domain::Domain {
-    let files = Files {
-        pddl: include_str!("../../../longstep-model/tests/domains/home/domain.pddl").to_owned(),
-        words: include_str!("../../../longstep-model/tests/domains/home/domain.toml").to_owned(),
-        ..Files::default()
-    };
-    load(&files).unwrap_or_else(|findings| panic!("{findings}"))
+fn home() -> Domain {
+    testing::domain("home").into()
 }
 
 fn session(domain: &Domain, strategy: super::Strategy) -> Session {
-    let world = environment::parse(domain, "flat.json", FLAT).unwrap();
-    let model = ModelFacts {
-        name: "script".to_owned(),
-        kind: ConstraintKind::JsonSchema,
-        context: None,
-    };
-    let settings = Settings {
-        strategy,
-        ..Settings::default()
-    };
-    Session::new("home", domain.clone(), world, settings, model, || 0.0)
+    let settings = Settings::default().with_strategy(strategy);
+    scripted(domain.clone(), FLAT, ConstraintKind::JsonSchema, settings)
 }
 
 fn answered(session: &mut Session, instruction: &str, text: &str) {
@@ -52,7 +38,7 @@ fn check_steps(session: &Session, expected: &[&str]) {
 
 #[test]
 fn values_come_from_instructions_and_replies_and_last_as_long_as_their_facts() {
-    let domain: Domain = home().into();
+    let domain = home();
     let mut session = session(&domain, super::Strategy::Goal);
     let mut events = session.take_events();
     // The instruction gives the value in another unit than the reply.
@@ -87,11 +73,11 @@ fn values_come_from_instructions_and_replies_and_last_as_long_as_their_facts() {
     events.extend(session.take_events());
     let line = |event: Event| {
         let at = "2026-01-01T00:00:00Z".to_owned();
-        Entry { at, event }.line()
+        Entry::new(at, event).line()
     };
     let text: String = events.into_iter().map(line).collect();
     let log = Log::read(text.as_bytes()).unwrap();
-    let resumed = Session::resume(domain, &log, || 0.0).unwrap().session;
+    let resumed = Session::resume(domain, &log, Clock::none()).unwrap().session;
     assert_eq!(states(&resumed), ["set_to(22 degC)"]);
     assert_eq!(resumed.rules().len(), 1);
     assert_eq!(resumed.accepted().len(), 2);
@@ -99,7 +85,7 @@ fn values_come_from_instructions_and_replies_and_last_as_long_as_their_facts() {
 
 #[test]
 fn direct_strategy_accepts_values_that_nobody_mentioned() {
-    let domain: Domain = home().into();
+    let domain = home();
     let mut session = session(&domain, super::Strategy::Direct);
     let plan = |call: &str, state: &str| {
         serde_json::json!({

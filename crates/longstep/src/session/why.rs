@@ -14,13 +14,13 @@ use crate::verify::{Purpose, check};
 /// ```
 /// use longstep_core::plan::StepId;
 /// use longstep::report;
-/// use longstep::{domain, goal, session};
+/// use longstep::{Clock, domain, goal, session};
 /// use longstep_core::environment;
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
 /// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
-/// let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0).plan.unwrap();
+/// let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), &Clock::none()).plan.unwrap();
 /// let why = session::why(&world, plan.plan(), &goal.purpose(&world), Some(&goal), StepId::new(1));
 /// assert_eq!(why.brings_about, ["the hand holds the pen"]);
 /// assert_eq!(why.without_it[0], "step 3: detach_from_plane() needs that the hand holds the pen");
@@ -61,6 +61,7 @@ pub fn why(world: &World, plan: &Plan, purpose: &Purpose, goal: Option<&Goal>, s
 
 /// The explanation of a step.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Why {
     /// Facts that the step makes true or false.
     pub brings_about: Vec<String>,

@@ -8,6 +8,7 @@ use crate::model::Domain;
 
 /// The meaning of an instruction in a world.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Interpretation {
     /// The goal. Where there is a question, it is what the model takes to be meant; none if it has no idea.
     pub goal: Option<Goal>,

@@ -4,12 +4,13 @@ use super::{Examples, Understanding, UnderstandingInput};
 use crate::dialogue::{Constraint, ConstraintKind, Decision, Dialogue, Finish, Likelihood, Reply, Round};
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, World};
+use longstep_core::testing;
 
 fn kitchen() -> (Domain, World) {
     let domain = shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<butter>", "<fridge_handle>"],
         "object_states": {"<butter>": "inside_something(<fridge>)", "<fridge_handle>": "closed()"}}"#;
-    let world = environment::parse(&domain, "kitchen.json", text).unwrap();
+    let world = testing::world_of(&domain, text);
     (domain, world)
 }
 

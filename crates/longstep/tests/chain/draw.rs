@@ -1,5 +1,6 @@
 //! Draws instructions that make sense in a world: what to reach, and words for it.
 
+use longstep::Clock;
 use longstep::domain::{Domain, PredicateId};
 use longstep::goal::{Goal, GoalFact, parse};
 use longstep::instruction::offers;
@@ -126,7 +127,7 @@ impl Draw {
                 word: offer.word,
                 arguments,
             }]);
-            if report::of_goal(world, &goal, "", &longstep::Limits::default(), || 0.0)
+            if report::of_goal(world, &goal, "", &longstep::Limits::default(), &Clock::none())
                 .plan
                 .is_some()
             {

@@ -13,6 +13,7 @@ use longstep::domain::{self, Domain};
 use longstep_core::environment::{self, Claim, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::plan::{self, PlanFile};
+pub use longstep_core::testing::world_of;
 use longstep_core::verify::{self, Purpose};
 use serde_json::Value;
 
@@ -27,10 +28,6 @@ pub fn read(file: &str) -> Value {
 
 pub fn domain(name: &str) -> Domain {
     domain::shipped(name).unwrap().unwrap()
-}
-
-pub fn world_of(domain: &Domain, environment: &Value) -> World {
-    read_anew(domain, &Environment::from_json(&environment.to_string()).unwrap())
 }
 
 fn read_anew(domain: &longstep_core::domain::Domain, environment: &Environment) -> World {

@@ -1,5 +1,6 @@
 //! Domains of somebody's own: read, linted, grounded, searched; problems for planners.
 
+use longstep::Clock;
 use longstep::domain::{self, Files};
 use longstep::report::{self, Status};
 use longstep_core::pddl;
@@ -27,7 +28,7 @@ fn planned(domain: String, problem: String) -> Work {
             Err(_) => return false,
         };
         let purpose = Purpose::from(&problem);
-        let found = report::of_purpose(&problem.world, &purpose, None, "", &longstep::Limits::default(), || 0.0);
+        let found = report::of_purpose(&problem.world, &purpose, None, "", &longstep::Limits::default(), &Clock::none());
         let _ = pddl::write_problem(&problem.world, &purpose, "again");
         found.answer.status == Status::Verified
     })
@@ -107,7 +108,7 @@ fn ruled(time: &str, parcels: usize) -> Work {
         let Ok(goal) = longstep::goal::parse(&world, "bring(<o1>, <b>)") else {
             return false;
         };
-        report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0)
+        report::of_goal(&world, &goal, "", &longstep::Limits::default(), &Clock::none())
             .answer
             .status
             == Status::Verified

@@ -1,5 +1,6 @@
 //! Goals: read, solved, offered to a model; instructions, and the prompts for them.
 
+use longstep::Clock;
 use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, direct_request};
 use longstep::domain::Domain;
 use longstep::goal;
@@ -19,7 +20,7 @@ fn solve(domain: &str, environment: &Value, text: String) -> Work {
     let world = world_of(&domain, environment);
     Box::new(move || match goal::parse(&world, &text) {
         Ok(goal) => {
-            report::of_goal(&world, &goal, &text, &longstep::Limits::default(), || 0.0)
+            report::of_goal(&world, &goal, &text, &longstep::Limits::default(), &Clock::none())
                 .answer
                 .status
                 == Status::Verified
@@ -42,7 +43,7 @@ fn under_rules(environment: &Value, goal: &str, rules: String) -> Work {
         let Ok(wanted) = goal::parse(&world, &goal) else {
             return false;
         };
-        let found = report::of_goal(&world, &wanted, &goal, &longstep::Limits::default(), || 0.0);
+        let found = report::of_goal(&world, &wanted, &goal, &longstep::Limits::default(), &Clock::none());
         found.answer.status == Status::Verified
     })
 }

@@ -25,6 +25,7 @@ use longstep::domain::{self, Domain};
 use longstep_core::effort;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
+use longstep_core::testing;
 use serde_json::{Value, json};
 
 /// The bytes of an input.
@@ -110,8 +111,7 @@ fn shipped(name: &str) -> Domain {
 fn world_of(domain: &Domain, environment: &Value) -> World {
     let text = environment.to_string();
     assert!(text.len() <= LARGEST, "an environment of {} bytes", text.len());
-    let environment = Environment::from_json(&text).unwrap();
-    environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    testing::world_of(domain, text)
 }
 
 /// Reads an environment; tells nothing about it.

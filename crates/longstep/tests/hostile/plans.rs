@@ -1,5 +1,6 @@
 //! Plans, verified and repaired: as replies, as scripts, composed of stored ones.
 
+use longstep::Clock;
 use longstep::compose::{self, Composed, CompositionAnswer, Stored};
 use longstep::report::{Assessment, Status};
 use longstep_core::plan::{self, Draft, PlanFile, TaskCohesion, script};
@@ -134,7 +135,7 @@ fn side_by_side() -> Work {
     let goal: Vec<String> = (0..4).map(|n| format!("put(<o{n}>, <p{}>)", n % 4 + 1)).collect();
     let goal = longstep::goal::parse(&world, &goal.join(" & ")).unwrap();
     Box::new(move || {
-        let found = longstep::report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0);
+        let found = longstep::report::of_goal(&world, &goal, "", &longstep::Limits::default(), &Clock::none());
         let shared = found
             .plan
             .as_ref()

@@ -6,9 +6,10 @@ mod reading;
 use super::*;
 use crate::domain::{self, Domain};
 use crate::model::SpatialRelation;
+use crate::testing;
 
 fn household() -> Domain {
-    domain::shipped("household").unwrap().unwrap()
+    testing::domain("household")
 }
 
 fn look_at(text: &str) -> Look {
@@ -259,7 +260,7 @@ fn look_reports_boxes_that_fit_no_world() {
 
 #[test]
 fn look_lists_spatial_relations_without_a_predicate() {
-    let virtualhome = domain::shipped("virtualhome").unwrap().unwrap();
+    let virtualhome = testing::domain("virtualhome");
     let text = format!(
         r#"{{"boxes": [{TABLE}, {{"name": "<stool>", "position": [0.83, 0, 0.2], "size": [0.4, 0.4, 0.4]}}]}}"#
     );

@@ -9,6 +9,7 @@ use longstep_model::json::Path;
 use longstep_model::model::{Domain, Environment, World};
 use longstep_verify::plan::{Step, StepId, TaskCohesion, resolve, script};
 use longstep_verify::verify::{Purpose, bind_tree};
+use crate::testing;
 
 const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<compost_bin>", "<freezer>"],
     "objects": ["<cheese>", "<soup>", "<freezer_handle>", "<rag>"],
@@ -16,9 +17,8 @@ const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<compost_bin>", "<f
         "<freezer_handle>": "closed()", "<rag>": "on_something(<worktop>)"}}"#;
 
 fn larder() -> (Domain, World) {
-    let domain = domain::shipped("household-checks").unwrap().unwrap();
-    let environment = Environment::from_json(LARDER).unwrap();
-    let world = environment::read(&domain, &environment, "", LARDER, &Path::default()).unwrap();
+    let domain = testing::domain("household-checks");
+    let world = testing::world_of(&domain, LARDER);
     (domain, world)
 }
 

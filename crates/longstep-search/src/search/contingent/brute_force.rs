@@ -7,6 +7,9 @@ use proptest::prelude::*;
 use super::*;
 use crate::goal::{self, Goal};
 use crate::search::Effort;
+use crate::testing;
+use longstep_model::domain::{self};
+use longstep_model::environment::{self};
 use longstep_model::json::Path;
 use longstep_model::model::{ActionId, Environment, Moment, State, Wanted, ground, holds};
 use longstep_model::{domain, environment};
@@ -177,9 +180,8 @@ proptest! {
 
     #[test]
     fn contingent_plan_has_an_optimal_worst_case(text in scene(), parts in proptest::collection::vec(part(), 1..=2)) {
-        let domain = domain::shipped("household-checks").unwrap().unwrap();
-        let environment = Environment::from_json(&text).unwrap();
-        let world = environment::read(&domain, &environment, "", &text, &Path::default()).unwrap();
+        let domain = testing::domain("household-checks");
+        let world = testing::world_of(&domain, &text);
         let goal: Goal = goal::parse(&world, &parts.join(" & ")).unwrap();
         let purpose = goal.purpose(&world);
         // Sensing that the goal does not mention is skipped, since every outcome doubles the number of states.

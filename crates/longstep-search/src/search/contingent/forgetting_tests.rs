@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::goal;
+use crate::testing;
 use longstep_model::domain::{self, Files};
 use longstep_model::environment;
 use longstep_model::json::Path;
@@ -20,8 +21,7 @@ fn world() -> World {
     let domain = domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"));
     let scene: serde_json::Value = serde_json::from_str(&read("scenes/boarding.json")).unwrap();
     let text = scene["environment"].to_string();
-    let environment = Environment::from_json(&text).unwrap();
-    environment::read(&domain, &environment, "", &text, &Path::default()).unwrap()
+    testing::world_of(&domain, &text)
 }
 
 #[test]

@@ -1,5 +1,8 @@
 use super::*;
 use crate::goal;
+use crate::testing;
+use longstep_model::domain;
+use longstep_model::environment::{self};
 use longstep_model::json::Path;
 use longstep_model::model::Environment;
 use longstep_model::{domain, environment};
@@ -7,7 +10,7 @@ use longstep_verify::plan::{Node, Plan, Test};
 use longstep_verify::verify::check as verify;
 
 fn scene(states: &str) -> (longstep_model::model::Domain, World) {
-    let checks = domain::shipped("household-checks").unwrap().unwrap();
+    let checks = testing::domain("household-checks");
     let text = r#"{"assets": ["<table>", "<trash_bin>", "<shelf>", "<floor>"],
             "objects": ["<spam>", "<milk>", "<sponge>", "<rag>"], "object_states": {"<spam>": ["on_something(<table>)"],
             "<milk>": ["on_something(<table>)"], "<sponge>": ["on_something(<floor>)"],

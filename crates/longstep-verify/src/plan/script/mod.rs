@@ -34,6 +34,7 @@ const LARGEST: usize = 1 << 20;
 /// An error in a script.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {}, column {}: {message}", .position.line, .position.column)]
+#[non_exhaustive]
 pub struct ScriptError {
     /// Position of the error.
     pub position: Position,

@@ -7,6 +7,7 @@ use longstep_model::domain::{self, Files};
 use longstep_model::environment;
 use longstep_model::json::Path;
 use longstep_model::model::{Domain, EntityId, Environment, Fact, World};
+use longstep_model::testing;
 
 const PDDL: &str = "
 (define (domain bench)
@@ -144,8 +145,7 @@ pub(crate) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
         names.join(", "),
         states.join(", ")
     );
-    let environment = Environment::from_json(&text).unwrap();
-    environment::read(domain, &environment, "env.json", &text, &Path::default()).unwrap()
+    testing::world_of(domain, &text)
 }
 
 /// Shorthand for a plan node, for example `press left 1` or `feel 2`.

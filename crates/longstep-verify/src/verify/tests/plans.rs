@@ -4,7 +4,7 @@ use super::super::*;
 use crate::plan::{TaskCohesion, resolve};
 use longstep_model::json::Path;
 use longstep_model::model::Environment;
-use longstep_model::{domain, environment};
+use longstep_model::testing;
 
 const KITCHEN: &str = r#"{
     "assets": ["<desk_1>", "<oven_2>", "<shelf_3>"],
@@ -25,9 +25,7 @@ fn report(world: &World, calls: &[&str], object: Option<&str>) -> Report {
 
 #[track_caller]
 fn check_messages(calls: &[&str], expected: &[&str]) {
-    let domain = domain::shipped("virtualhome").unwrap().unwrap();
-    let environment = Environment::from_json(KITCHEN).unwrap();
-    let world = environment::read(&domain, &environment, "env.json", KITCHEN, &Path::default()).unwrap();
+    let world = testing::world("virtualhome", KITCHEN);
     let report = report(&world, calls, None);
     let messages: Vec<_> = report
         .violations
@@ -94,10 +92,8 @@ fn verify_checks_rules_at_the_end_of_a_plan() {
 
 #[test]
 fn report_lists_assumptions_behind_the_verdict() {
-    let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<box>"], "objects": ["<box_lever>"], "object_states": {"<box_lever>": "closed()"}}"#;
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = testing::world("household", text);
     let calls = ["move_hand()", "grasp_object()", "open_by_slide()", "release_object()"];
     let report = report(&world, &calls, Some("<box_lever>"));
     assert_eq!(report.violations, vec![]);
@@ -107,10 +103,8 @@ fn report_lists_assumptions_behind_the_verdict() {
 
 #[test]
 fn binding_takes_unstated_places_from_the_claim() {
-    let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<bin>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = testing::world("household", text);
     let messages = |calls: &[&str]| -> Vec<String> {
         let written = TaskCohesion {
             task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
@@ -149,10 +143,8 @@ fn binding_takes_unstated_places_from_the_claim() {
 
 #[test]
 fn binding_does_not_take_a_hand_for_a_place() {
-    let domain = domain::shipped("household-dual").unwrap().unwrap();
     let text = r#"{"assets": ["<table>"], "objects": ["<cup>"], "object_states": {"<cup>": "inside_hand(right)"}}"#;
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = testing::world("household-dual", text);
     let calls = ["move_object(right)", "attach_to_plane(right)", "release_object(right)"];
     let written = TaskCohesion {
         task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
@@ -170,11 +162,9 @@ fn binding_does_not_take_a_hand_for_a_place() {
 
 #[test]
 fn claim_makes_no_promise_about_unmentioned_states() {
-    let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let text = r#"{"assets": ["<room_1>", "<desk_2>"], "objects": ["<mug_4>"],
         "asset_states": {"<desk_2>": ["INSIDE(<room_1>)"]}}"#;
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = testing::world("virtualhome", text);
     let claimed = Environment::from_json(r#"{"assets": ["<desk_2>"], "objects": []}"#).unwrap();
     let claim = Claim::read(&world, &claimed);
     assert_eq!(claim.promises(&world), vec![]);
@@ -182,11 +172,9 @@ fn claim_makes_no_promise_about_unmentioned_states() {
 
 #[test]
 fn reachability_respects_the_conditions_of_effects() {
-    let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
         "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = testing::world("household", text);
     let inside = |place: &str| {
         let claimed =
             format!(r#"{{"objects": ["<milk>"], "object_states": {{"<milk>": "inside_something({place})"}}}}"#);
@@ -202,11 +190,9 @@ fn reachability_respects_the_conditions_of_effects() {
 
 #[test]
 fn binding_senses_the_object_of_a_later_condition() {
-    let domain = domain::shipped("household-checks").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>", "<sponge>"],
         "object_states": {"<cup>": "on_something(<table>)", "<sponge>": "on_something(<shelf>)"}}"#;
-    let environment = Environment::from_json(text).unwrap();
-    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = testing::world("household-checks", text);
     for place in ["<table>", "<shelf>"] {
         let script = format!("move_hand()\ncheck_cleanness()\nif clean(\"{place}\"):\n    pass\n");
         let written = TaskCohesion::from_written(crate::plan::script::read(&script).unwrap());

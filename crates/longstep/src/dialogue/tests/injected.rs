@@ -1,6 +1,7 @@
 //! Prompt injection: instructions and names remain data.
 
 use longstep_core::call::NOTATION;
+use longstep_core::testing;
 use serde_json::Value;
 
 use crate::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, Message, direct_request};
@@ -71,8 +72,7 @@ fn kitchen(domain: &Domain, called: &str) -> World {
         "assets": ["<sill>", "<crate>"], "objects": ["<pear>", called],
         "object_states": {"<pear>": "on_something(<sill>)", called: "on_something(<sill>)"},
     });
-    let environment = Environment::from_json(&environment.to_string()).unwrap();
-    environment::read(domain, &environment, "", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    testing::world_of(domain, &environment)
 }
 
 fn direct(domain: &Domain, world: &World, instruction: &str) -> (Vec<Message>, usize) {

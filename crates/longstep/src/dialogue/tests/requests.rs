@@ -9,6 +9,7 @@ use crate::dialogue::{
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
+use longstep_core::testing;
 
 fn attic(domain: &Domain, trunks: usize) -> World {
     let trunk = |n: usize| format!("<trunk_{n}>");
@@ -21,8 +22,7 @@ fn attic(domain: &Domain, trunks: usize) -> World {
         "objects": (1..=trunks).map(hat).collect::<Vec<_>>(),
         "object_states": states,
     });
-    let environment = Environment::from_json(&environment.to_string()).unwrap();
-    environment::read(domain, &environment, "", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    testing::world_of(domain, &environment)
 }
 
 fn history(count: usize) -> Vec<Exchange> {
@@ -163,17 +163,9 @@ fn direct_schema_is_strict_and_lists_calls_and_entities() {
 
 #[test]
 fn calls_with_arguments_are_listed_while_they_are_few() {
-    let domain = shipped("virtualhome").unwrap().unwrap();
     let text =
         r#"{"assets": ["<den_1>"], "objects": ["<kite_2>"], "object_states": {"<kite_2>": ["INSIDE(<den_1>)"]}}"#;
-    let few = environment::read(
-        &domain,
-        &Environment::from_json(text).unwrap(),
-        "",
-        "",
-        &Path::default(),
-    )
-    .unwrap();
+    let few = testing::world("virtualhome", text);
     let schema = direct_schema(&few);
     let calls = &schema["properties"]["task_cohesion"]["properties"]["task_sequence"]["items"]["enum"];
     assert!(

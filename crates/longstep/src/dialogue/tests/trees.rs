@@ -8,12 +8,12 @@ use crate::domain::{Domain, load, shipped, shipped_files};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
 use crate::plan::{self, Node};
+use longstep_core::testing;
 
 fn larder(domain: &Domain) -> World {
     let text = json!({"assets": ["<bench>", "<scrap_bin>"], "objects": ["<cream>"],
         "object_states": {"<cream>": "on_something(<bench>)"}});
-    let environment = Environment::from_json(&text.to_string()).unwrap();
-    environment::read(domain, &environment, "", "", &Path::default()).unwrap()
+    testing::world_of(domain, &text)
 }
 
 fn prompt_and_schema(domain: &Domain) -> String {
