@@ -8,16 +8,19 @@ python=$1
 out=$2
 device=${3:-cpu}
 mkdir -p "$out"
+export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
+"$python" lab/adapter/test_train.py
+cargo test --locked --quiet --manifest-path lab/programs/Cargo.toml
+cargo build --release --locked --quiet --manifest-path lab/programs/Cargo.toml --bin training_data
 cargo build --release --locked --quiet -p longstep-cli
-cargo build --release --locked --quiet -p longstep-eval --no-default-features --example training_data
-target=${CARGO_TARGET_DIR:-target}/release
+target=$CARGO_TARGET_DIR/release
 model=$("$target/longstep" model path qwen2.5-coder-1.5b)
 
-# data NAME FOLDER|TEXT...: what the texts ask of the model.
+# data NAME SUITE|TEXT...: writes the training data of suites or texts.
 data() {
     local name=$1
     shift
-    "$target/examples/training_data" "$@" >"$out/$name.jsonl"
+    "$target/training_data" "$@" >"$out/$name.jsonl"
 }
 
 # The robots of `pool` and `avstore` are for choosing, and those of `test` are measured.

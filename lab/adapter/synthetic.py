@@ -5,8 +5,8 @@
 
 The entities of a robot are drawn from `synthetic/nouns-*.tsv` (a name, a class, and synonyms in each language), its goal words from
 `synthetic/words-*.toml` (the meaning, the classes of the arguments, and in each language templates of requests and prohibitions).
-DATA.jsonl is the output of `lab/training-data`: the end of its system prompt, which all robots share, is taken from there. OUT.jsonl
-has the same form. The same arguments give the same bytes.
+DATA.jsonl is the output of `training_data` (lab/programs): the end of its system prompt, which all robots share, is taken from there.
+OUT.jsonl has the same form. The same arguments give the same bytes.
 
 Most requests make no sense ("vacuum the wardrobe"): they teach words, cases and articles. The kinds of cases are one request, two, a
 request with a prohibition, a prohibition alone, an order, a question (namesakes, an entity that is absent, a request that is no goal),
@@ -253,7 +253,7 @@ def one_line(text: str) -> str:
 
 
 def case_json(robot: Robot, number: int, case: Case) -> str:
-    """Returns a case as a line of training data (the keys are those of `lab/training-data`)."""
+    """Returns a case as a line of training data (the keys are those of `training_data`)."""
     return json.dumps({
         "suite": robot.name,
         "id": f"{robot.name}-{number}",

@@ -35,7 +35,7 @@ LENGTH_LIMIT = 1.10
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["shipped", "order", "virtualhome"])
-    parser.add_argument("--runner", type=Path, help="the built example `peers` [default: build it]")
+    parser.add_argument("--runner", type=Path, help="the built program `peers` [default: build it]")
     parser.add_argument("--processes", type=int, default=1, help="tasks at a time; more than 1 blurs the times")
     arguments = parser.parse_args()
     # Before there are several of us to fetch them.
@@ -52,11 +52,10 @@ def main() -> None:
 
 def build() -> Path:
     """Builds our side and returns its program."""
-    command = ["cargo", "build", "--quiet", "--locked", "--release", "--package", "longstep-llm"]
-    command += ["--no-default-features", "--example", "peers"]
+    command = ["cargo", "build", "--quiet", "--locked", "--release", "-p", "longstep-peers", "--bin", "peers"]
     subprocess.run(command, cwd=ROOT, check=True)
     target = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target")
-    return ROOT / target / "release/examples/peers"
+    return ROOT / target / "release/peers"
 
 
 def ours(runner: Path, *arguments: str, lines: str = "") -> list[dict]:

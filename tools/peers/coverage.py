@@ -69,7 +69,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=random.randrange(10**6), help="seed of the tasks [default: random]")
     parser.add_argument("--count", type=int, default=300, help="number of tasks [default: 300]")
     parser.add_argument("--limit", type=int, default=10, help="processor seconds for a task [default: 10]")
-    parser.add_argument("--runner", type=Path, help="the built example `peers` [default: build it]")
+    parser.add_argument("--runner", type=Path, help="the built program `peers` [default: build it]")
     parser.add_argument("--effort", help="effort of our search [default: normal]")
     parser.add_argument("--domains", nargs="*", help="only these domains")
     parser.add_argument("--processes", type=int, default=1, help="tasks at a time; more than 1 blurs the times")

@@ -360,11 +360,11 @@ class Drawer:
 
 
 def build() -> Path:
-    """Builds the example that solves tasks."""
-    command = ["cargo", "build", "--release", "--quiet", "-p", "longstep-core", "--example", "number_tasks"]
+    """Builds the program that solves tasks."""
+    command = ["cargo", "build", "--release", "--quiet", "-p", "longstep-peers", "--bin", "number_tasks"]
     subprocess.run(command, cwd=ROOT, check=True)
     target = json.loads(subprocess.check_output(["cargo", "metadata", "--format-version", "1", "--no-deps"], cwd=ROOT))
-    return Path(target["target_directory"]) / "release" / "examples" / "number_tasks"
+    return Path(target["target_directory"]) / "release" / "number_tasks"
 
 
 def ask(program: Path, lines: list[str]) -> list[dict]:
@@ -451,7 +451,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Compares numbers and costs with others.")
     parser.add_argument("--cases", type=int, default=2000, help="how many [default: 2000]")
     parser.add_argument("--seed", type=int, help="what the sample is drawn from [default: a new one, printed]")
-    parser.add_argument("--runner", type=Path, help="the built example `number_tasks` [default: build it]")
+    parser.add_argument("--runner", type=Path, help="the built program `number_tasks` [default: build it]")
     parser.add_argument("--enhsp", action="store_true", help="compare with ENHSP instead of the simulator")
     parser.add_argument("--fast-downward", action="store_true", help="compare costs with Fast Downward instead")
     arguments = parser.parse_args()

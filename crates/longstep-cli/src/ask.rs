@@ -61,7 +61,11 @@ fn opened(
     options.timeout = arguments.timeout;
     options.silence = arguments.silence;
     options.stop = interrupted().clone();
-    options.sampling = Sampling::default().with_temperature(arguments.temperature).with_top_p(arguments.top_p).with_seed(arguments.seed).with_reasoning(arguments.reasoning);
+    options.sampling = Sampling::default()
+        .with_temperature(arguments.temperature)
+        .with_top_p(arguments.top_p)
+        .with_seed(arguments.seed)
+        .with_reasoning(arguments.reasoning);
     open(&reference, &options, progress)
 }
 

@@ -10,7 +10,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use longstep::session::{Event, Proposal, Session, Settings};
+use longstep::session::{Event, Proposal, Session};
 use longstep_files::session_directory;
 use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance};
 
@@ -154,7 +154,11 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
     let mut session = resumed.session;
     folder.mend(&session)?;
     let chosen = arguments.strategy.settings();
-    let settings = session.settings().with_accept(arguments.yes).with_partial(chosen.partial).with_effort(arguments.strategy.effort.or(session.settings().effort));
+    let settings = session
+        .settings()
+        .with_accept(arguments.yes)
+        .with_partial(chosen.partial)
+        .with_effort(arguments.strategy.effort.or(session.settings().effort));
     if settings != session.settings() {
         session.set_settings(settings);
     }

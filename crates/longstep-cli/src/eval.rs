@@ -147,7 +147,10 @@ fn paper_tables(arguments: &EvalArguments, name: &str, out: &Path) -> Result<u8>
         ("trials", "recorded_trials.json", 0),
         ("feedback", "recorded_feedback.json", 3),
     ] {
-        let settings = Settings::default().with_strategy(Strategy::Direct).with_repair(RepairPolicy::Never).with_rounds(rounds);
+        let settings = Settings::default()
+            .with_strategy(Strategy::Direct)
+            .with_repair(RepairPolicy::Never)
+            .with_rounds(rounds);
         let recorded = inputs::replies(&inputs::corpus(arguments)?.join("virtualhome14").join(file))?;
         let mut task = task(arguments, name, settings, out.join(table), Some(&recorded))?;
         let results = perform(&mut task, 1, &|| Box::new(recorded.0.clone()))?;

@@ -11,7 +11,6 @@ use longstep_llm::advance;
 use crate::arguments::{PlanArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::{clock, milliseconds};
-use crate::exit_code;
 use crate::failure::{Failure, LIMIT, MODEL};
 use crate::{exit_code, explain, inputs, lanes, output, solve};
 

@@ -11,7 +11,6 @@ use longstep_files::read_text;
 
 use crate::arguments::SolveArguments;
 use crate::clock::{clock, milliseconds};
-use crate::exit_code;
 use crate::output::print_line;
 use crate::{exit_code, inputs, show};
 

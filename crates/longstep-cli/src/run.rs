@@ -30,7 +30,7 @@ use person::Person;
 
 pub(crate) use begin::{aim_of, execution, observing};
 pub(crate) use person::{Decide, Question};
-pub(crate) use robot::{RunStart, Opened, exit_code as robot_exit_code, failure as robot_failure, open};
+pub(crate) use robot::{Opened, RunStart, exit_code as robot_exit_code, failure as robot_failure, open};
 pub(crate) use view::{View, end};
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
@@ -85,7 +85,9 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
         );
     }
     let domain = load_domain(&header.domain)?;
-    let resumed = Resumed::default().with_approval(arguments.execution.approve.map(Approval::from)).with_trust(arguments.execution.trust.map(Trust::from));
+    let resumed = Resumed::default()
+        .with_approval(arguments.execution.approve.map(Approval::from))
+        .with_trust(arguments.execution.trust.map(Trust::from));
     let execution = Execution::resume(&domain, &events, resumed);
     let execution = execution.map_err(|error| Failure::unreadable(error.to_string()))?;
     let named = arguments.robot.as_ref().unwrap_or(&header.robot);

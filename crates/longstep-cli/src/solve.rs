@@ -13,7 +13,6 @@ use longstep_llm::load_domain;
 
 use crate::arguments::{SolveArguments, domain_or_default, required};
 use crate::clock::{clock, milliseconds};
-use crate::exit_code;
 use crate::failure::Failure;
 use crate::output::{self, Line, print_line, remark};
 use crate::{exit_code, inputs, lanes, problem, show};
@@ -55,13 +54,8 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         remark!("Wrote domain.pddl and problem.pddl to {}", folder.display());
         return Ok(exit_code::DONE);
     }
-    let report::Solution { plan, mut answer } = report::of_goal(
-        &world,
-        &goal,
-        text,
-        &longstep::Limits::from(arguments.effort),
-        &clock(),
-    );
+    let report::Solution { plan, mut answer, .. } =
+        report::of_goal(&world, &goal, text, &longstep::Limits::from(arguments.effort), &clock());
     let shown = match plan.filter(|_| arguments.parallel) {
         Some(plan) => lanes::side_by_side(&world, &plan, &goal.purpose(&world), &mut answer),
         None => Vec::new(),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use common::{Answer, PANTRY, Ran, Server, another_goal, edits, goals, longstep, question, run, seen};
+use common::{Answer, PANTRY, Page, Ran, Server, another_goal, edits, goals, longstep, question, run, seen};
 use serde_json::{Value, json};
 
 macro_rules! snapshot {
@@ -104,6 +104,7 @@ const MOVE: [&str; 6] = [
 
 #[test]
 fn chat_conversations_match_their_snapshots() {
+    let mut page = Page::default();
     let table: Vec<(&str, &[&str], Vec<Answer>, &str)> = vec![
         (
             "one_after_the_other",
@@ -232,8 +233,9 @@ fn chat_conversations_match_their_snapshots() {
     for (name, arguments, answers, lines) in table {
         let home = Home::new();
         let server = Server::giving(answers);
-        snapshot!(format!("chat_{name}"), seen(&mut home.chat(&server, arguments), lines));
+        page.add(name, seen(&mut home.chat(&server, arguments), lines));
     }
+    snapshot!("conversations", page.text());
 }
 
 #[test]
@@ -347,16 +349,19 @@ fn resumed_session_continues_where_it_ended() {
             "Put the cereal on the counter\n\n",
         ),
     ];
+    let mut page = Page::default();
     for (name, before, lines, after, more) in table {
         let home = Home::new();
         home.after(before, &lines);
         let server = Server::giving(after);
-        snapshot!(format!("resume_{name}"), seen(&mut home.resume(&server, &[]), more));
+        page.add(name, seen(&mut home.resume(&server, &[]), more));
     }
+    snapshot!("resumed", page.text());
 }
 
 #[test]
 fn session_commands_find_a_session_by_its_name() {
+    let mut page = Page::default();
     let home = Home::new();
     let server = Server::giving(vec![cereal_on_counter(), goals(&["put(juice, counter)"])]);
     let reference = server.reference();
@@ -370,20 +375,21 @@ fn session_commands_find_a_session_by_its_name() {
         ran.stdout,
         ran.stderr
     );
-    snapshot!("session_list", seen(&mut home.longstep(&["session", "list"]), ""));
-    snapshot!(
+    page.add("session_list", seen(&mut home.longstep(&["session", "list"]), ""));
+    page.add(
         "session_show",
-        seen(&mut home.longstep(&["session", "show", "pantry-1"]), "")
+        seen(&mut home.longstep(&["session", "show", "pantry-1"]), ""),
     );
-    snapshot!(
+    page.add(
         "session_unknown",
-        seen(&mut home.longstep(&["session", "show", "pantri-1"]), "")
+        seen(&mut home.longstep(&["session", "show", "pantri-1"]), ""),
     );
     let ran = run(&mut home.longstep(&["session", "show", "pantry-1", "--json"]), "");
     let events: Vec<Value> = serde_json::from_str(&ran.stdout).unwrap();
     let kinds: Vec<&str> = events.iter().map(|event| event["event"].as_str().unwrap()).collect();
     assert_eq!(kinds[..4], ["begin", "model", "instruction", "prompt"]);
     assert_eq!(kinds.iter().filter(|kind| **kind == "accept").count(), 2);
+    snapshot!("sessions", page.text());
 }
 
 #[test]
@@ -394,6 +400,7 @@ fn session_list_without_sessions_shows_their_folder() {
 
 #[test]
 fn session_replay_reports_identical_or_differing_runs() {
+    let mut page = Page::default();
     let home = Home::new();
     let answers = vec![
         cereal_on_counter(),
@@ -405,18 +412,20 @@ fn session_replay_reports_identical_or_differing_runs() {
     home.after(answers, lines);
     let session = home.session();
     let replay = ["session", "replay", session.to_str().unwrap()];
-    snapshot!("replay_same", seen(&mut home.longstep(&replay), ""));
+    page.add("replay_same", seen(&mut home.longstep(&replay), ""));
     let text = std::fs::read_to_string(home.log()).unwrap();
     let forged = text.replacen("put(juice, counter)", "put(juice, fridge)", 1);
     assert_ne!(text, forged);
     std::fs::write(home.log(), forged).unwrap();
     let ran = run(&mut home.longstep(&replay), "");
     assert_eq!(ran.code, 10, "{}", ran.stderr);
-    snapshot!("replay_differs", ran.stdout);
+    page.add("replay_differs", ran.stdout);
+    snapshot!("replays", page.text());
 }
 
 #[test]
 fn damaged_logs_are_mended_or_refused_and_never_made_worse() {
+    let mut page = Page::default();
     let home = Home::new();
     home.after(
         vec![cereal_on_counter(), goals(&["put(juice, counter)"])],
@@ -445,7 +454,7 @@ fn damaged_logs_are_mended_or_refused_and_never_made_worse() {
             &mut home.resume(&server, &[]),
             "/undo\nPut the butter on the counter\n\n",
         );
-        snapshot!(format!("log_{name}"), text);
+        page.add(name, text);
         let now = std::fs::read_to_string(home.log()).unwrap();
         if goes_on {
             assert!(now.contains("put(<butter>, <counter>)"), "{name}");
@@ -458,7 +467,8 @@ fn damaged_logs_are_mended_or_refused_and_never_made_worse() {
         }
     }
     std::fs::remove_file(home.log()).unwrap();
-    snapshot!("log_missing", seen(&mut home.resume(&Server::giving(vec![]), &[]), ""));
+    page.add("log_missing", seen(&mut home.resume(&Server::giving(vec![]), &[]), ""));
+    snapshot!("logs", page.text());
 }
 
 #[test]
@@ -559,6 +569,7 @@ fn copy(from: &Path, to: &Path) {
 
 #[test]
 fn a_folder_that_cannot_be_written_ends_the_conversation() {
+    let mut page = Page::default();
     let home = Home::new();
     let server = Server::giving(vec![cereal_on_counter()]);
     // Permissions do not hold for root: a file stands where the folder should be.
@@ -573,24 +584,26 @@ fn a_folder_that_cannot_be_written_ends_the_conversation() {
         "--session",
         blocked.to_str().unwrap(),
     ];
-    snapshot!(
+    page.add(
         "folder_cannot_be_made",
-        seen(&mut home.longstep(&arguments), "Put the cereal on the counter\n")
+        seen(&mut home.longstep(&arguments), "Put the cereal on the counter\n"),
     );
     // A folder stands where the first plan should be.
     std::fs::create_dir_all(home.session().join("0.json/in the way")).unwrap();
     let text = seen(&mut home.chat(&server, &[]), "Put the cereal on the counter\n\n/env\n");
-    snapshot!("plan_cannot_be_written", text);
+    page.add("plan_cannot_be_written", text);
     let left: Vec<_> = std::fs::read_dir(home.session())
         .unwrap()
         .map(|entry| entry.unwrap().file_name())
         .collect();
     assert_eq!(left.len(), 2, "{left:?}");
-    snapshot!("folder_is_taken", seen(&mut home.chat(&server, &[]), ""));
+    page.add("folder_is_taken", seen(&mut home.chat(&server, &[]), ""));
+    snapshot!("folders", page.text());
 }
 
 #[test]
 fn chat_rejects_invalid_arguments_and_creates_no_session() {
+    let mut page = Page::default();
     let home = Home::new();
     let server = Server::giving(vec![]);
     let reference = server.reference();
@@ -610,13 +623,11 @@ fn chat_rejects_invalid_arguments_and_creates_no_session() {
         ("unknown", &["chat", "--resume", "pantry-1"]),
     ];
     for (name, arguments) in table {
-        snapshot!(
-            format!("chat_arguments_{name}"),
-            seen(&mut home.longstep(arguments), "")
-        );
+        page.add(name, seen(&mut home.longstep(arguments), ""));
     }
     // No session is begun by what cannot begin.
     assert!(!home.path().join("state/longstep/sessions").exists());
+    snapshot!("arguments", page.text());
 }
 
 #[test]

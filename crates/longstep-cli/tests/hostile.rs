@@ -1,8 +1,5 @@
 //! The program against a hostile server: every command ends by itself, with the exit code of the mode, and within its
 //! memory, which `ulimit` sets.
-//!
-//! `cargo test -p longstep-cli --test hostile measured -- --ignored --nocapture` prints the time and the peak memory of
-//! every mode.
 #![cfg(target_os = "linux")]
 #![allow(clippy::disallowed_macros, clippy::unwrap_used, clippy::panic, missing_docs)]
 
@@ -31,9 +28,6 @@ struct Ran {
     status: ExitStatus,
     stdout: String,
     stderr: String,
-    seconds: f64,
-    /// Peak of the resident memory in kB, as last seen.
-    peak: u64,
 }
 
 /// Runs a command of the program under the limit of memory.
@@ -69,11 +63,7 @@ fn run(home: &Path, arguments: &[&str], mode: &Mode, server: &Hostile, input: &s
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
     let stdout = collected(child.stdout.take().unwrap());
     let stderr = collected(child.stderr.take().unwrap());
-    let proc = format!("/proc/{}/status", child.id());
-    let mut peak = 0;
     let status = loop {
-        let memory = std::fs::read_to_string(&proc).unwrap_or_default();
-        peak = memory_peak(&memory).unwrap_or(peak);
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
@@ -88,8 +78,6 @@ fn run(home: &Path, arguments: &[&str], mode: &Mode, server: &Hostile, input: &s
         status,
         stdout: stdout.join().unwrap(),
         stderr: stderr.join().unwrap(),
-        seconds: began.elapsed().as_secs_f64(),
-        peak,
     }
 }
 
@@ -99,11 +87,6 @@ fn collected(mut pipe: impl Read + Send + 'static) -> thread::JoinHandle<String>
         let _ = pipe.read_to_end(&mut bytes);
         String::from_utf8(bytes).unwrap()
     })
-}
-
-fn memory_peak(status: &str) -> Option<u64> {
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    line.split_whitespace().next()?.parse().ok()
 }
 
 const PLAN: [&str; 5] = ["plan", "Put the cereal on the counter", "--env", PANTRY, "--json"];
@@ -239,23 +222,5 @@ fn an_evaluation_can_be_stopped_at_every_moment() {
             "{}: {stderr}",
             mode.name
         );
-    }
-}
-
-#[test]
-#[ignore = "prints a table"]
-fn plan_is_measured_against_hostile_servers() {
-    let home = tempfile::tempdir().unwrap();
-    println!("| mode | limits made short | exit | s | peak MB |\n|---|---|---|---|---|");
-    for mode in modes() {
-        let server = Hostile::new(&mode);
-        let ran = run(home.path(), &PLAN, &mode, &server, "");
-        let short = match mode.short {
-            Short::Nothing => "",
-            Short::Timeout => "timeout 1 s",
-            Short::Silence => "silence 0.5 s",
-        };
-        let (code, seconds, peak) = (ran.status.code().unwrap_or(-1), ran.seconds, ran.peak / 1000);
-        println!("| {} | {short} | {code} | {seconds:.1} | {peak} |", mode.name);
     }
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Answer, PANTRY, Ran, Server, goals, longstep, run, seen};
+use common::{Answer, PANTRY, Page, Ran, Server, goals, longstep, run, seen};
 use serde_json::{Value, json};
 
 macro_rules! snapshot {
@@ -58,9 +58,10 @@ fn plan_seen(server: &Server, more: &[&str]) -> String {
 
 #[test]
 fn a_plan_of_the_model_is_repaired_or_goes_back_to_it() {
+    let mut page = Page::default();
     let short = || paper_plan(&MOVE[1..]);
     let server = Server::giving(vec![short()]);
-    snapshot!("plan_direct_repaired", plan_seen(&server, &["--strategy", "direct"]));
+    page.add("plan_direct_repaired", plan_seen(&server, &["--strategy", "direct"]));
     assert_eq!(server.bodies().len(), 1);
 
     // Without repair, the second request holds the verifier's words.
@@ -87,15 +88,17 @@ fn a_plan_of_the_model_is_repaired_or_goes_back_to_it() {
         assert_eq!(answer["usage"]["calls"], 2);
     }
     let server = Server::giving(vec![short(), short()]);
-    snapshot!(
+    page.add(
         "plan_direct_not_repaired",
-        plan_seen(&server, &["--strategy", "direct", "--no-repair", "--rounds", "1"])
+        plan_seen(&server, &["--strategy", "direct", "--no-repair", "--rounds", "1"]),
     );
     assert_eq!(server.bodies().len(), 2);
+    snapshot!("direct", page.text());
 }
 
 #[test]
 fn a_prompt_is_explained_and_not_sent() {
+    let mut page = Page::default();
     for strategy in ["goal", "direct"] {
         let server = Server::giving(vec![]);
         let ran = planned(&server, &["--strategy", strategy, "--explain-prompt"]);
@@ -103,12 +106,14 @@ fn a_prompt_is_explained_and_not_sent() {
         assert_eq!(server.bodies(), Vec::<Value>::new(), "{strategy}");
         assert!(ran.stdout.contains(INSTRUCTION));
         let (table, _) = ran.stdout.split_once("\n\n").unwrap();
-        snapshot!(format!("explain_{strategy}"), table);
+        page.add(strategy, table);
     }
+    snapshot!("explained", page.text());
 }
 
 #[test]
 fn prompt_folder_replaces_parts_of_the_prompt() {
+    let mut page = Page::default();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().to_str().unwrap();
     std::fs::write(
@@ -123,12 +128,13 @@ fn prompt_folder_replaces_parts_of_the_prompt() {
     let first = &server.bodies()[0]["messages"][0]["content"];
     assert_eq!(first, "You are the quartermaster of a lighthouse.");
     std::fs::rename(folder.path().join("role.md"), folder.path().join("rolle.md")).unwrap();
-    snapshot!("prompt_misspelt", plan_seen(&server, &more));
+    page.add("prompt_misspelt", plan_seen(&server, &more));
     std::fs::rename(folder.path().join("rolle.md"), folder.path().join("role.md")).unwrap();
     std::fs::write(folder.path().join("role.md"), "You are {{ nobody }}.").unwrap();
-    snapshot!("prompt_broken", plan_seen(&server, &more));
-    snapshot!("prompt_missing", plan_seen(&server, &["--prompt", "no/such/folder"]));
+    page.add("prompt_broken", plan_seen(&server, &more));
+    page.add("prompt_missing", plan_seen(&server, &["--prompt", "no/such/folder"]));
     assert_eq!(server.bodies().len(), 1);
+    snapshot!("prompts", page.text());
 }
 
 #[test]

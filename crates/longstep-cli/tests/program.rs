@@ -1,8 +1,12 @@
 //! Drives the built program as a person would, without a model.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use common::Page;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -36,9 +40,9 @@ fn seen(arguments: &[&str]) -> String {
 }
 
 macro_rules! snapshot {
-    ($name:literal, $arguments:expr) => {
-        insta::with_settings!({filters => vec![(r"\d+\.\d+ m?s", "[time]"), (r"/tmp/[^ ,)]*", "[temporary]")]}, {
-            insta::assert_snapshot!($name, seen($arguments));
+    ($name:literal, $text:expr) => {
+        insta::with_settings!({filters => vec![(r"\d+\.\d+ m?s", "[time]"), (r"/tmp/[^\s,)]*", "[temporary]")]}, {
+            insta::assert_snapshot!($name, $text);
         });
     };
 }
@@ -47,28 +51,34 @@ const PANTRY: &str = "examples/environments/pantry.json";
 
 #[test]
 fn domains_are_listed_and_shown() {
-    snapshot!("domain_list", &["domain", "list"]);
-    snapshot!("domain_show", &["domain", "show", "virtualhome"]);
-    snapshot!("domain_check", &["domain", "check", "examples/greenhouse"]);
+    let mut page = Page::default();
+    page.add("domain_list", seen(&["domain", "list"]));
+    page.add("domain_show", seen(&["domain", "show", "virtualhome"]));
+    page.add("domain_check", seen(&["domain", "check", "examples/greenhouse"]));
+    snapshot!("domains", page.text());
 }
 
 #[test]
 fn solve_writes_and_reads_pddl_problems() {
+    let mut page = Page::default();
     let goal = "put(butter, shelf top)";
-    snapshot!("solve_as_pddl", &["solve", "--goal", goal, "--env", PANTRY, "--pddl"]);
+    page.add(
+        "solve_as_pddl",
+        seen(&["solve", "--goal", goal, "--env", PANTRY, "--pddl"]),
+    );
     let (_, problem, _) = longstep(&["solve", "--goal", goal, "--env", PANTRY, "--pddl"]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("problem.pddl");
     std::fs::write(&path, problem).unwrap();
     let path = path.to_str().unwrap();
     let domain = "crates/longstep-model/domains/household/domain.pddl";
-    snapshot!("solve_problem", &["solve", "--problem", path, "--domain", domain]);
+    page.add("solve_problem", seen(&["solve", "--problem", path, "--domain", domain]));
     let (code, stdout, _) = longstep(&["solve", "--problem", path, "--domain", domain, "--json"]);
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!((code, answer["status"].as_str()), (0, Some("verified")));
-    snapshot!(
+    page.add(
         "problem_of_another_domain",
-        &["solve", "--problem", path, "--domain", "examples/greenhouse"]
+        seen(&["solve", "--problem", path, "--domain", "examples/greenhouse"]),
     );
     // A problem needs its domain, and is a goal and an environment already.
     for extra in [
@@ -78,6 +88,7 @@ fn solve_writes_and_reads_pddl_problems() {
     ] {
         assert_eq!(longstep(&[&["solve", "--problem", path], extra].concat()).0, 2);
     }
+    snapshot!("problems", page.text());
 }
 
 #[test]
@@ -265,53 +276,63 @@ fn environments_may_be_python_literals() {
 
 #[test]
 fn goals_are_solved() {
-    snapshot!("solve", &["solve", "--goal", "put(butter, shelf top)", "--env", PANTRY]);
-    snapshot!(
-        "solve_nothing",
-        &["solve", "--goal", "put(juice, shelf bottom)", "--env", PANTRY]
+    let mut page = Page::default();
+    page.add(
+        "solve",
+        seen(&["solve", "--goal", "put(butter, shelf top)", "--env", PANTRY]),
     );
-    snapshot!(
+    page.add(
+        "solve_nothing",
+        seen(&["solve", "--goal", "put(juice, shelf bottom)", "--env", PANTRY]),
+    );
+    page.add(
         "solve_greenhouse",
-        &[
+        seen(&[
             "solve",
             "--goal",
             "watered(basil) & aired(south bed)",
             "--env",
             "examples/greenhouse/environment.json",
             "--domain",
-            "examples/greenhouse"
-        ]
+            "examples/greenhouse",
+        ]),
     );
-    snapshot!(
+    page.add(
         "solve_unsolvable",
-        &[
+        seen(&[
             "solve",
             "--goal",
             "CLOSED(<oven_6>) & OPEN(<oven_6>)",
             "--env",
             "examples/environments/flat.json",
             "--domain",
-            "virtualhome"
-        ]
+            "virtualhome",
+        ]),
     );
+    snapshot!("solve", page.text());
 }
 
 #[test]
 fn plans_are_verified() {
-    snapshot!("verify_good", &["verify", "crates/longstep-cli/tests/plans/good.json"]);
-    snapshot!(
-        "verify_closed_fridge",
-        &["verify", "crates/longstep-cli/tests/plans/closed_fridge.json"]
+    let mut page = Page::default();
+    page.add(
+        "verify_good",
+        seen(&["verify", "crates/longstep-cli/tests/plans/good.json"]),
     );
-    snapshot!(
+    page.add(
+        "verify_closed_fridge",
+        seen(&["verify", "crates/longstep-cli/tests/plans/closed_fridge.json"]),
+    );
+    page.add(
         "verify_unknown",
-        &[
+        seen(&[
             "verify",
             "crates/longstep-cli/tests/plans/unknown.json",
             "--domain",
-            "virtualhome"
-        ]
+            "virtualhome",
+        ]),
     );
+    snapshot!("verify", page.text());
 }
 
 const FLAT: &str = "examples/environments/flat.json";
@@ -330,57 +351,74 @@ fn in_flat<'a>(command: &'a str, plan: &'a str, more: &[&'a str]) -> Vec<&'a str
 
 #[test]
 fn a_plan_is_measured_by_what_it_claims() {
+    let mut page = Page::default();
     let odd = plan!("odd_claim.json");
-    snapshot!("verify_odd_claim", &in_flat("verify", odd, &[]));
-    snapshot!("repair_odd_claim", &in_flat("repair", odd, &[]));
-    snapshot!("repair_stale_claim", &in_flat("repair", plan!("stale_claim.json"), &[]));
+    page.add("verify_odd_claim", seen(&in_flat("verify", odd, &[])));
+    page.add("repair_odd_claim", seen(&in_flat("repair", odd, &[])));
+    page.add(
+        "repair_stale_claim",
+        seen(&in_flat("repair", plan!("stale_claim.json"), &[])),
+    );
+    snapshot!("claims", page.text());
 }
 
 #[test]
 fn plans_are_repaired() {
-    snapshot!(
+    let mut page = Page::default();
+    page.add(
         "repair_another_verb",
-        &in_flat("repair", "examples/plans/warm_cupcake.json", &[])
+        seen(&in_flat("repair", "examples/plans/warm_cupcake.json", &[])),
     );
-    snapshot!(
+    page.add(
         "repair_leaves_out",
-        &in_flat("repair", plan!("light_and_pillow.json"), &[])
+        seen(&in_flat("repair", plan!("light_and_pillow.json"), &[])),
     );
-    snapshot!("repair_does_later", &in_flat("repair", plan!("put_too_soon.json"), &[]));
-    snapshot!("repair_hidden_arguments", &["repair", plan!("closed_fridge.json")]);
-    snapshot!(
+    page.add(
+        "repair_does_later",
+        seen(&in_flat("repair", plan!("put_too_soon.json"), &[])),
+    );
+    page.add(
+        "repair_hidden_arguments",
+        seen(&["repair", plan!("closed_fridge.json")]),
+    );
+    page.add(
         "repair_nothing",
-        &in_flat("repair", plan!("mug_on_nightstand.json"), &[])
+        seen(&in_flat("repair", plan!("mug_on_nightstand.json"), &[])),
     );
-    snapshot!("repair_unsolvable", &["repair", plan!("nowhere_to_put.json")]);
+    page.add("repair_unsolvable", seen(&["repair", plan!("nowhere_to_put.json")]));
+    snapshot!("repair", page.text());
 }
 
 #[test]
 fn replies_are_read_as_plans() {
+    let mut page = Page::default();
     let reply = "examples/plans/tidy_magazine.txt";
-    snapshot!("verify_reply", &in_flat("verify", reply, &[]));
-    snapshot!("repair_reply", &in_flat("repair", reply, &[]));
+    page.add("verify_reply", seen(&in_flat("verify", reply, &[])));
+    page.add("repair_reply", seen(&in_flat("repair", reply, &[])));
     let near = plan!("near_names.json");
-    snapshot!("verify_near_names", &in_flat("verify", near, &[]));
-    snapshot!("repair_near_names", &in_flat("repair", near, &[]));
+    page.add("verify_near_names", seen(&in_flat("verify", near, &[])));
+    page.add("repair_near_names", seen(&in_flat("repair", near, &[])));
+    snapshot!("replies", page.text());
 }
 
 #[test]
 fn commands_report_one_error_for_a_reply_without_a_plan() {
-    snapshot!("reply_cut_off", &in_flat("verify", plan!("cut_off.txt"), &[]));
-    snapshot!("reply_refusal", &in_flat("repair", plan!("refusal.txt"), &[]));
-    snapshot!("reply_two_plans", &in_flat("verify", plan!("two_plans.txt"), &[]));
-    snapshot!("reply_malformed", &in_flat("verify", plan!("malformed.txt"), &[]));
-    snapshot!(
+    let mut page = Page::default();
+    page.add("reply_cut_off", seen(&in_flat("verify", plan!("cut_off.txt"), &[])));
+    page.add("reply_refusal", seen(&in_flat("repair", plan!("refusal.txt"), &[])));
+    page.add("reply_two_plans", seen(&in_flat("verify", plan!("two_plans.txt"), &[])));
+    page.add("reply_malformed", seen(&in_flat("verify", plan!("malformed.txt"), &[])));
+    page.add(
         "plan_without_environment",
-        &["repair", plan!("mug_on_nightstand.json"), "--domain", "virtualhome"]
+        seen(&["repair", plan!("mug_on_nightstand.json"), "--domain", "virtualhome"]),
     );
+    snapshot!("no_plan", page.text());
 }
 
 #[test]
 fn a_question_in_a_reply_is_passed_on() {
     let question = plan!("question.txt");
-    snapshot!("reply_question", &in_flat("verify", question, &[]));
+    snapshot!("reply_question", seen(&in_flat("verify", question, &[])));
     for (command, more) in [("verify", "--feedback"), ("verify", "--json"), ("repair", "--json")] {
         let (code, stdout, _) = longstep(&in_flat(command, question, &[more]));
         assert!(
@@ -394,17 +432,19 @@ fn a_question_in_a_reply_is_passed_on() {
 
 #[test]
 fn verify_feedback_prints_a_message_for_the_model() {
-    snapshot!(
+    let mut page = Page::default();
+    page.add(
         "feedback",
-        &in_flat("verify", plan!("light_and_pillow.json"), &["--feedback"])
+        seen(&in_flat("verify", plan!("light_and_pillow.json"), &["--feedback"])),
     );
-    snapshot!(
+    page.add(
         "feedback_unknown",
-        &in_flat("verify", plan!("near_names.json"), &["--feedback"])
+        seen(&in_flat("verify", plan!("near_names.json"), &["--feedback"])),
     );
     let good = longstep(&in_flat("verify", plan!("mug_on_nightstand.json"), &["--feedback"]));
     assert_eq!(good, (0, String::new(), String::new()));
     assert_eq!(longstep(&["verify", plan!("good.json"), "--feedback", "--json"]).0, 2);
+    snapshot!("feedback", page.text());
 }
 
 #[test]
@@ -456,64 +496,69 @@ fn a_plan_that_cannot_be_repaired_is_not_saved() {
 
 #[test]
 fn bad_input_is_one_clear_error() {
-    snapshot!(
+    let mut page = Page::default();
+    page.add(
         "missing_environment",
-        &["solve", "--goal", "put(a, b)", "--env", "nowhere.json"]
+        seen(&["solve", "--goal", "put(a, b)", "--env", "nowhere.json"]),
     );
-    snapshot!(
+    page.add(
         "broken_environment",
-        &["solve", "--goal", "put(a, b)", "--env", "README.md"]
+        seen(&["solve", "--goal", "put(a, b)", "--env", "README.md"]),
     );
-    snapshot!(
+    page.add(
         "folder_as_environment",
-        &["solve", "--goal", "put(a, b)", "--env", "docs"]
+        seen(&["solve", "--goal", "put(a, b)", "--env", "docs"]),
     );
-    snapshot!("unknown_domain", &["domain", "show", "houshold"]);
-    snapshot!(
+    page.add("unknown_domain", seen(&["domain", "show", "houshold"]));
+    page.add(
         "other_domain",
-        &[
+        seen(&[
             "solve",
             "--goal",
             "on(lamp)",
             "--env",
-            "examples/environments/flat.json"
-        ]
+            "examples/environments/flat.json",
+        ]),
     );
-    snapshot!(
+    page.add(
         "unknown_name",
-        &["solve", "--goal", "put(jucie, shelf top)", "--env", PANTRY]
+        seen(&["solve", "--goal", "put(jucie, shelf top)", "--env", PANTRY]),
     );
-    snapshot!("unknown_goal", &["solve", "--goal", "sing(juice)", "--env", PANTRY]);
-    snapshot!("empty_instruction", &["plan", "  ", "--env", PANTRY]);
-    snapshot!(
+    page.add(
+        "unknown_goal",
+        seen(&["solve", "--goal", "sing(juice)", "--env", PANTRY]),
+    );
+    page.add("empty_instruction", seen(&["plan", "  ", "--env", PANTRY]));
+    page.add(
         "long_instruction",
-        &["plan", &"put the juice ".repeat(7200), "--env", PANTRY]
+        seen(&["plan", &"put the juice ".repeat(7200), "--env", PANTRY]),
     );
-    snapshot!(
+    page.add(
         "unknown_model",
-        &[
+        seen(&[
             "plan",
             "Put the juice on the counter",
             "--env",
             PANTRY,
             "--model",
-            "qwen"
-        ]
+            "qwen",
+        ]),
     );
-    snapshot!(
+    page.add(
         "model_not_here",
-        &["plan", "Put the juice on the counter", "--env", PANTRY]
+        seen(&["plan", "Put the juice on the counter", "--env", PANTRY]),
     );
-    snapshot!(
+    page.add(
         "contradictions",
-        &[
+        seen(&[
             "solve",
             "--goal",
             "put(a, b)",
             "--env",
-            "crates/longstep-cli/tests/plans/contradiction.json"
-        ]
+            "crates/longstep-cli/tests/plans/contradiction.json",
+        ]),
     );
+    snapshot!("bad_input", page.text());
 }
 
 #[test]
@@ -670,8 +715,10 @@ fn a_doubtful_domain_is_warned_of() {
     let file = path.join("prompt/feedback.toml");
     let text = std::fs::read_to_string(&file).unwrap();
     std::fs::write(&file, text.replace("pick(", "drop_off(")).unwrap();
-    snapshot!("domain_check_warnings", &["domain", "check", porter]);
-    snapshot!("domain_check_json", &["domain", "check", porter, "--json"]);
+    let mut page = Page::default();
+    page.add("text", seen(&["domain", "check", porter]));
+    page.add("json", seen(&["domain", "check", porter, "--json"]));
+    snapshot!("domain_check", page.text());
     assert_eq!(longstep(&["domain", "check", porter, "--strict"]).0, 10);
     assert_eq!(longstep(&["domain", "check", "virtualhome", "--strict"]).0, 0);
 }

@@ -8,7 +8,7 @@ mod common;
 use std::path::Path;
 
 use common::look::{SHELF, folder, reply};
-use common::{Answer, Server, longstep, root, seen};
+use common::{Answer, Page, Server, longstep, root, seen};
 use serde_json::Value;
 
 /// A recorded look: its name, what a person answers, and the replies of the model after the first.
@@ -36,6 +36,7 @@ fn replay(name: &str) -> String {
 fn a_recorded_look_is_replayed_byte_for_byte() {
     let home = tempfile::tempdir().unwrap();
     let records = std::env::var_os("LONGSTEP_RECORD_LOOKS").is_some();
+    let mut page = Page::default();
     for (name, input, more) in LOOKS {
         let mut replies = vec![reply(name)];
         replies.extend(more.iter().map(|text| Answer::Says((*text).to_owned())));
@@ -58,8 +59,9 @@ fn a_recorded_look_is_replayed_byte_for_byte() {
         for _ in 0..2 {
             assert_eq!(look(home.path(), &replay(name), &[], input), recorded, "{name}");
         }
-        insta::assert_snapshot!(name, recorded);
+        page.add(name, recorded);
     }
+    insta::assert_snapshot!("looks", page.text());
 }
 
 #[test]

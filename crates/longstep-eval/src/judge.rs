@@ -68,7 +68,16 @@ impl<'a> Standard<'a> {
     }
 
     fn reference_for<'s>(&self, expected: &'s ExpectedPlan<'a>) -> Option<&'s VerifiedPlan> {
-        let search = || report::of_goal(self.world, expected.goal, "", &longstep::Limits::default(), &Clock::none()).plan;
+        let search = || {
+            report::of_goal(
+                self.world,
+                expected.goal,
+                "",
+                &longstep::Limits::default(),
+                &Clock::none(),
+            )
+            .plan
+        };
         expected.reference.get_or_init(search).as_ref()
     }
 

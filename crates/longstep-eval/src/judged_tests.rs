@@ -29,7 +29,10 @@ fn attempt(strategy: Strategy, says: &str, expected: &str, reply: &Value) -> Att
     let suite = suite::load(&files, &domain).unwrap_or_else(|faults| panic!("{faults}"));
     let replies = json!([{"case": "one", "reply": reply}]).to_string();
     let mut recorded = Recorded::read(&replies).unwrap();
-    let settings = Settings::default().with_strategy(strategy).with_repair(RepairPolicy::First).with_rounds(0);
+    let settings = Settings::default()
+        .with_strategy(strategy)
+        .with_repair(RepairPolicy::First)
+        .with_rounds(0);
     let unit = Unit {
         case: &suite.cases[0],
         wording: PLAIN,

@@ -98,7 +98,8 @@ fn every_expected_goal_is_solved_and_verified() {
             let world = suite.judged_world(case);
             for step in &case.steps {
                 for goal in step.expected.goals() {
-                    let solution = report::of_goal(&world, goal, &step.says, &longstep::Limits::default(), &Clock::none());
+                    let solution =
+                        report::of_goal(&world, goal, &step.says, &longstep::Limits::default(), &Clock::none());
                     match solution.plan {
                         // A goal that holds already would show nothing.
                         Some(plan) if !plan.steps().is_empty() => solved += 1,

@@ -21,11 +21,10 @@ use std::time::{Duration, Instant};
 use longstep::dialogue::Dialogue;
 use longstep::domain::{self, Domain};
 use longstep::understanding::{Understanding, UnderstandingInput};
-use longstep_core::environment::{self, Environment, World, differences};
-use longstep_core::json::Path;
+use longstep_core::environment::{self, World, differences};
 use longstep_core::search::{self, Limits, Outcome};
-use longstep_core::verify::{self, Report};
 use longstep_core::testing;
+use longstep_core::verify::{self, Report};
 use longstep_files::cache_directory;
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, catalogue, converse, open};
 use serde_json::Value;
@@ -166,7 +165,7 @@ fn reached(world: &World, report: &Report, fact: &str, any_plate: bool) -> bool 
 
 fn kitchen(model: &mut dyn ChatModel, shared: bool) {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
-    let kitchen = testing::world_of(&domain, &read("virtualhome14/kitchen.json"));
+    let kitchen = testing::world_of(&domain, read("virtualhome14/kitchen.json"));
     let mut tally = Tally::default();
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
         let world = if shared {

@@ -20,7 +20,10 @@ fn model_path() -> PathBuf {
 }
 
 fn load(adapter: AdapterChoice, cache: &Path) -> Result<Box<dyn ChatModel>, ModelError> {
-    let options = OpenOptions::new(cache.to_path_buf()).with_threads(Some(1)).with_context_tokens(Some(512)).with_adapters(adapter);
+    let options = OpenOptions::new(cache.to_path_buf())
+        .with_threads(Some(1))
+        .with_context_tokens(Some(512))
+        .with_adapters(adapter);
     open(&ModelReference::File(model_path()), &options, &mut |_| {})
 }
 

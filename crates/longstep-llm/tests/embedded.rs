@@ -20,8 +20,9 @@ fn model_path() -> PathBuf {
 
 fn load_with(path: &Path, cache: &Path, context_tokens: u32) -> Result<Box<dyn ChatModel>, ModelError> {
     let options = OpenOptions::new(cache.to_path_buf())
-// One thread: more of them wait for each other when the machine is busy with other tests.
-        .with_threads(Some(1)).with_context_tokens(Some(context_tokens));
+        // One thread: more of them wait for each other when the machine is busy with other tests.
+        .with_threads(Some(1))
+        .with_context_tokens(Some(context_tokens));
     open(&ModelReference::File(path.to_path_buf()), &options, &mut |_| {})
 }
 
@@ -417,7 +418,15 @@ fn an_answer_that_is_not_wanted_any_more_is_stopped_and_the_next_one_comes() {
 fn a_seed_decides_what_is_drawn_and_a_grammar_what_may_be() {
     let folder = tempfile::tempdir().unwrap();
     let answers = |seed: u64| {
-        let options = OpenOptions::new(folder.path().to_path_buf()).with_threads(Some(1)).with_context_tokens(Some(1024)).with_sampling(Sampling::default().with_temperature(50.0).with_top_p(Some(0.99)).with_seed(Some(seed)));
+        let options = OpenOptions::new(folder.path().to_path_buf())
+            .with_threads(Some(1))
+            .with_context_tokens(Some(1024))
+            .with_sampling(
+                Sampling::default()
+                    .with_temperature(50.0)
+                    .with_top_p(Some(0.99))
+                    .with_seed(Some(seed)),
+            );
         let mut model = open(&ModelReference::File(model_path()), &options, &mut |_| {}).unwrap();
         let grammar = Constraint::Lark(r#"start: ("red" | "green" | "blue" | "black" | "white" | "brown")"#.into());
         let questions = ["the sky", "a leaf", "coal", "snow", "wood", "blood"];

@@ -155,7 +155,12 @@ fn tokens_are_counted() {
 #[test]
 #[ignore = "needs LONGSTEP_TEST_SERVER"]
 fn the_same_seed_gives_the_same_answer() {
-    let options = OpenOptions::new("unused".into()).with_sampling(Sampling::default().with_temperature(1.0).with_top_p(Some(0.95)).with_seed(Some(11)));
+    let options = OpenOptions::new("unused".into()).with_sampling(
+        Sampling::default()
+            .with_temperature(1.0)
+            .with_top_p(Some(0.95))
+            .with_seed(Some(11)),
+    );
     let mut asked = request("Name five fruits.");
     asked.constraint = Constraint::Free;
     asked.max_tokens = 24;

@@ -11,15 +11,29 @@
 #[path = "../../longstep/tests/chain/mod.rs"]
 mod chain;
 
-mod opened;
-
 use chain::{Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
 use longstep::Clock;
 use longstep::domain::Domain;
 use longstep::report;
 use longstep::session::{Event, ModelFacts, Response, Session, Settings};
 use longstep_core::environment::World;
-use longstep_llm::{ChatModel, Progress, advance};
+use longstep_files::cache_directory;
+use longstep_llm::{AdapterChoice, ChatModel, ModelReference, OpenOptions, Progress, advance, catalogue, open};
+
+/// Opens the model that `LONGSTEP_MODEL` names, by default the catalogue's default model, with `LONGSTEP_THREADS` threads (1)
+/// and the adapter files of `LONGSTEP_ADAPTERS` (as in a `PATH`; without it, those of the catalogue).
+fn open_model() -> Box<dyn ChatModel> {
+    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
+    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
+    let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
+    let adapters = std::env::var_os("LONGSTEP_ADAPTERS").map_or(AdapterChoice::Catalogue, |files| {
+        AdapterChoice::Files(std::env::split_paths(&files).collect())
+    });
+    let options = OpenOptions::new(cache_directory().unwrap())
+        .with_adapters(adapters)
+        .with_threads(Some(threads));
+    open(&reference, &options, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"))
+}
 
 fn session(name: &str, domain: Domain, world: World, model: &dyn ChatModel) -> Session {
     let facts = ModelFacts::new(model.name(), model.constraint_kind()).with_context(model.context_tokens());
@@ -66,7 +80,7 @@ fn mark(right: bool) -> &'static str {
 #[test]
 #[ignore = "asks a real model about the recorded scenes"]
 fn scenes() {
-    let mut model = opened::model();
+    let mut model = open_model();
     let (mut verified, mut right, mut all) = (0, 0, 0);
     for scene in SCENES {
         let read = read(&format!("household/{scene}.json"));
@@ -106,7 +120,7 @@ fn scenes() {
 #[test]
 #[ignore = "asks a real model about a recorded plan"]
 fn wishes() {
-    let mut model = opened::model();
+    let mut model = open_model();
     let scene = read("household/shelf.json");
     let step = &scene["steps"][0];
     let instruction = step["instruction"].as_str().unwrap();
@@ -147,9 +161,9 @@ fn moves(session: &Session) -> i32 {
 #[test]
 #[ignore = "asks a real model a hundred times"]
 fn hundred() {
-    let mut model = opened::model();
+    let mut model = open_model();
     let domain = domain("virtualhome");
-    let first = world_of(&domain, &read("virtualhome14/kitchen.json"));
+    let first = world_of(&domain, read("virtualhome14/kitchen.json"));
     let mut recomputed = Recomputation::new(first.environment());
     let mut session = session("virtualhome", domain, first, model.as_ref());
     let mut draw = chain::draw();
@@ -157,7 +171,13 @@ fn hundred() {
     let (mut meant, mut verified, mut questions, mut stuck) = (0, 0, 0, 0);
     for number in 1..=100 {
         let drawn = draw.instruction(session.world());
-        let wanted = report::of_goal(session.world(), &drawn.goal, "", &longstep::Limits::default(), &Clock::none());
+        let wanted = report::of_goal(
+            session.world(),
+            &drawn.goal,
+            "",
+            &longstep::Limits::default(),
+            &Clock::none(),
+        );
         let wanted = session.world().after(wanted.plan.unwrap().ending());
         session.instruct(&drawn.words).unwrap();
         let asked = ask(&mut session, model.as_mut());

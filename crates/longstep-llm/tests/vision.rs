@@ -24,7 +24,9 @@ fn file(name: &str) -> PathBuf {
 }
 
 fn options(cache: &Path, projector: Option<&Path>) -> OpenOptions {
-    OpenOptions::new(cache.to_path_buf()).with_threads(Some(1)).with_vision(projector.map(Path::to_path_buf))
+    OpenOptions::new(cache.to_path_buf())
+        .with_threads(Some(1))
+        .with_vision(projector.map(Path::to_path_buf))
 }
 
 fn open_with(model: &str, projector: Option<&Path>, cache: &Path) -> Result<Box<dyn ChatModel>, ModelError> {
@@ -134,7 +136,8 @@ fn the_tokens_of_pictures_count_before_anything_is_computed() {
         let with = ask(&mut *model, &colour(&["shelf"])).usage.prompt_tokens;
         assert_eq!(with - without, seen - plain, "{projector}");
 
-        let options = options(cache.path(), Some(&file(projector))).with_context_tokens(Some(u32::try_from(without + 64 + seen - plain - 1).unwrap()));
+        let options = options(cache.path(), Some(&file(projector)))
+            .with_context_tokens(Some(u32::try_from(without + 64 + seen - plain - 1).unwrap()));
         let mut model = open(&ModelReference::File(file(name)), &options, &mut |_| {}).unwrap();
         let mut read = 0;
         let mut watch = |progress: Progress| read += usize::from(matches!(progress, Progress::ReadingPrompt { .. }));

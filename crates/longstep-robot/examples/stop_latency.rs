@@ -58,6 +58,9 @@ for line in sys.stdin:
             times[99],
             times.len()
         );
+        if times[99] > Duration::from_secs(1) {
+            return Err("a stop took more than a second".into());
+        }
     }
     Ok(())
 }

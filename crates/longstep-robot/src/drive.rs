@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use longstep_core::environment::{ObservedFacts, World};
-use longstep_core::execution::{Event, Execution, Need, StepOrder as Wanted, Proposal, Stop, Unseen};
+use longstep_core::execution::{Event, Execution, Need, Proposal, StepOrder as Wanted, Stop, Unseen};
 use longstep_core::model::PredicateId;
 
 use crate::error::RobotError;
-use crate::scope::Scope;
 use crate::order::{ArgumentValue, Order};
 use crate::robot::{Feedback, Handle, Progress, Robot};
+use crate::scope::Scope;
 use crate::stop::StopRequest;
 
 /// The longest wait between two looks at the robot and at the request to stop.

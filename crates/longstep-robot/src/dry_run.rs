@@ -8,11 +8,11 @@ use serde_json::Value;
 
 use crate::description::Description;
 use crate::error::RobotError;
-use crate::scope::Scope;
-use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 use crate::robot::{Feedback, Progress, Robot, StopSwitch};
+use crate::scope::Scope;
 use crate::sim::{Sim, SimOptions};
+use longstep_core::environment::Observation;
 
 /// Writes the message that a robot would be sent for an order.
 type Messages = Box<dyn Fn(&Order) -> Result<Value, RobotError> + Send>;

@@ -10,12 +10,12 @@ use serde_json::Value;
 use crate::description::Description;
 use crate::error::RobotError;
 use crate::lock;
-use crate::scope::Scope;
-use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 #[cfg(unix)]
 use crate::presence::{self, Presence};
 use crate::robot::{Progress, Robot, StopSwitch};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 
 /// A robot with a lock for everything that it [drives](Description::drives). The locks are files that the operating system
 /// releases when the program ends, however it ends. They hold among the programs that use the same folder.

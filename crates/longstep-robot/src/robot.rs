@@ -8,11 +8,11 @@ use serde_json::Value;
 
 use crate::description::Description;
 use crate::error::RobotError;
-use crate::scope::Scope;
-use longstep_core::environment::Observation;
 use crate::order::Order;
 #[cfg(unix)]
 use crate::presence::Presence;
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 
 pub use crate::order::Handle;
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use longstep_core::environment::{self, Fact, State, Words, World};
-use longstep_core::model::{Domain, EntityId};
+use longstep_core::model::EntityId;
 use longstep_core::plan::Step;
 use longstep_core::verify::VerifiedPlan;
 use longstep_core::{goal, search, testing, verify};
@@ -18,10 +18,6 @@ use longstep_robot::{Observation, Order, Progress, Robot, RobotError, Scope};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-fn household() -> Domain {
-    testing::domain("household")
 }
 
 /// A case of the suite: its scene and its goals.
@@ -62,7 +58,7 @@ fn suite_folder(suite: &str) -> PathBuf {
 
 fn scene_of(suite: &str, scene: &str) -> World {
     let file = suite_folder(suite).join(format!("scenes/{scene}.json"));
-    testing::world("household", &std::fs::read_to_string(file).unwrap())
+    testing::world("household", std::fs::read_to_string(file).unwrap())
 }
 
 /// Starts the robot in a world.
@@ -229,7 +225,7 @@ fn instruct(
 fn observed_world(world: &World, observation: &Observation) -> World {
     let mut seen = world.environment().clone();
     seen.object_states.extend(observation.states.clone());
-    testing::world_of(world.domain(), &serde_json::to_string(&seen).unwrap())
+    testing::world_of(world.domain(), serde_json::to_string(&seen).unwrap())
 }
 
 #[test]

@@ -141,10 +141,7 @@ fn a_failed_step_leaves_the_robot_usable() {
         assert_eq!(robot.poll(handle), Err(RobotError::UnknownHandle(handle)));
     }
     let seen = robot.observe(&Scope::Entities(vec!["<cup>".to_owned()])).unwrap();
-    assert_eq!(
-        seen.of_entity("<cup>"),
-        Some(&["on_something(<table>)".to_owned()][..])
-    );
+    assert_eq!(seen.of_entity("<cup>"), Some(&["on_something(<table>)".to_owned()][..]));
 }
 
 #[test]

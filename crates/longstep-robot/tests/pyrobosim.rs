@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use longstep_core::{domain, testing};
 use longstep_core::environment::World;
 use longstep_core::execution::{Aim, Event};
 use longstep_core::model::Domain;
+use longstep_core::{domain, testing};
 use longstep_robot::process::{Command, Process};
 use longstep_robot::{Order, Progress, Robot};
 use support::{carried_out, root};
@@ -35,7 +35,7 @@ fn domain() -> Domain {
 
 fn scene_of(domain: &Domain, scene: &str) -> World {
     let file = folder().join(format!("domain/suite/scenes/{scene}.json"));
-    testing::world_of(domain, &std::fs::read_to_string(file).unwrap())
+    testing::world_of(domain, std::fs::read_to_string(file).unwrap())
 }
 
 /// Starts the robot in the world of a scene.

@@ -2,16 +2,15 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, unreachable_pub, dead_code)]
 
-#[path = "../examples/measure_execution/campaign.rs"]
-mod campaign;
+mod seeded_runs;
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use boon::{Compiler, SchemaIndex, Schemas};
-use campaign::{cases, lanes, monitored};
 use longstep_core::execution::{Aim, Approval, Event, Execution, Need, Resumed, Settings};
 use longstep_robot::{RunHeader, RunLog, Sim, reports};
+use seeded_runs::{cases, lanes, monitored};
 use serde_json::Value;
 
 struct Schema {
@@ -85,11 +84,7 @@ fn the_schema_describes_the_logs_of_real_runs() {
     let mut kinds = BTreeSet::new();
     let mut check = |number: usize, events: &[Event]| {
         let path = folder.path().join(format!("{number}.jsonl"));
-        let mut log = RunLog::create(
-            &path,
-            &RunHeader::new("sim", "household").with_dry_run(true),
-        )
-        .unwrap();
+        let mut log = RunLog::create(&path, &RunHeader::new("sim", "household").with_dry_run(true)).unwrap();
         log.append(events).unwrap();
         for line in std::fs::read_to_string(&path).unwrap().lines() {
             let line: Value = serde_json::from_str(line).unwrap();

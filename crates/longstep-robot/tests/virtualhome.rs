@@ -12,11 +12,11 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use longstep_core::environment as worlds;
-use longstep_core::environment::{Environment, Observation, Words, World};
+use longstep_core::environment::{Environment, ObservedFacts, Words, World};
 use longstep_core::execution::{Aim, Event};
 use longstep_core::plan::{self, TaskCohesion};
-use longstep_core::verify::{self, Purpose};
 use longstep_core::testing;
+use longstep_core::verify::{self, Purpose};
 use longstep_robot::virtualhome::{
     Graph, Line, Simulator, Trial, VirtualHome, VirtualHomeOptions, environment, feedback, statements,
 };
@@ -47,7 +47,7 @@ fn options(server: &Program) -> VirtualHomeOptions {
 
 fn flat() -> (PathBuf, World) {
     let file = root().join("examples/environments/flat.json");
-    let world = testing::world("virtualhome", &std::fs::read_to_string(&file).unwrap());
+    let world = testing::world("virtualhome", std::fs::read_to_string(&file).unwrap());
     (file, world)
 }
 
@@ -85,7 +85,7 @@ fn a_scene_becomes_the_environment_that_it_was_made_from() {
     let again = testing::world("virtualhome", &again);
     assert_eq!(stated(&again), stated(&world));
     // What it says of the entities of the world is what the world says.
-    let seen = Observation::read(&world, &[], &statements(&graph, &world)).unwrap();
+    let seen = ObservedFacts::read(&world, &[], &statements(&graph, &world)).unwrap();
     assert_eq!(seen.revised(&world, &world.state), world.state);
     let rooms = environment(&graph, &["livingroom".to_owned()]);
     assert_eq!(rooms.assets.len(), world.environment().assets.len());

@@ -3,7 +3,6 @@
 
 use std::time::{Duration, Instant};
 
-use longstep_core::domain;
 use longstep_core::environment::{self, ObservedFacts as Seen};
 use longstep_core::json::Path;
 use longstep_core::testing;

@@ -5,7 +5,7 @@
 use longstep_model::json::Path;
 use longstep_model::model::Domain;
 use longstep_model::model::{Environment, World};
-use longstep_model::testing;
+use longstep_model::{environment, testing};
 use longstep_search::goal;
 use longstep_search::search::{Limits, Outcome, solve};
 use longstep_verify::verify::{VerifiedPlan, check};

@@ -36,6 +36,11 @@ pub struct Segment {
 }
 
 impl Segment {
+    /// Returns a recording as the segment of one step.
+    pub fn whole(recording: &Demonstration, step: usize) -> Self {
+        Self::of(recording, step, f64::NEG_INFINITY, f64::INFINITY)
+    }
+
     fn of(recording: &Demonstration, step: usize, from: f64, to: f64) -> Self {
         let is = |frame: &&Frame| frame.time >= from && frame.time <= to;
         Self {

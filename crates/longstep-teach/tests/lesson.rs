@@ -4,7 +4,7 @@
 mod person;
 
 use longstep_core::skill::Skills;
-use longstep_core::testing;
+use longstep_core::{domain, testing};
 use longstep_teach::{
     Demonstration, Expectations, Format, Hand, Lesson, Request, cut, cut_at_times, learn, one_each, skills_file,
     step_times,

@@ -256,7 +256,8 @@ impl Reader<'_> {
             path => format!("{path}: {message}"),
         };
         if self.findings.len() < 100 {
-            self.findings.push(Diagnostic::whole(self.file, message).with_position(self.locator.locate(path)));
+            self.findings
+                .push(Diagnostic::whole(self.file, message).with_position(self.locator.locate(path)));
         }
     }
 
@@ -363,7 +364,7 @@ fn length(vector: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use longstep_model::domain::{self, Files};
-    use longstep_model::environment;
+
     use longstep_model::testing;
 
     use crate::plan::{Plan, Step};

@@ -10,12 +10,11 @@ use std::path::PathBuf;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use longstep::domain::{self, Domain};
 use longstep::goal::{self, Goal};
-use longstep_core::environment::{self, Environment, World};
-use longstep_core::json::Path;
+use longstep_core::environment::World;
 use longstep_core::plan::Plan;
 use longstep_core::search::{self, Limits, Outcome};
-use longstep_core::verify;
 use longstep_core::testing;
+use longstep_core::verify;
 
 fn scene(domain: &Domain, file: PathBuf) -> World {
     let text = std::fs::read_to_string(&file).unwrap();

@@ -10,12 +10,11 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use longstep::domain::{self, Domain};
-use longstep_core::environment::{self, Claim, EntityId, Environment, World};
-use longstep_core::json::Path;
+use longstep_core::environment::{Claim, EntityId, World};
 use longstep_core::plan::{Node, Plan, PlanFile, Step, StepId, TaskCohesion, Test, resolve};
 use longstep_core::repair::{RepairOutcome, repair};
-use longstep_core::verify::{self, Purpose};
 use longstep_core::testing;
+use longstep_core::verify::{self, Purpose};
 
 /// Carries the item to and fro between two places, a thousand steps.
 fn carrying(world: &World, item: &str, places: [&str; 2]) -> Plan {
@@ -155,7 +154,7 @@ fn repairing(_: &mut Criterion) {
     };
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let scenarios = read("scenarios.json");
-    let kitchen = testing::world_of(&domain, &read("kitchen.json"));
+    let kitchen = testing::world_of(&domain, read("kitchen.json"));
     let mut times: Vec<(Duration, String)> = Vec::new();
     let mut in_kitchen: Vec<(Duration, String)> = Vec::new();
     for trial in read("recorded_trials.json").as_array().unwrap() {

@@ -13,8 +13,7 @@ use longstep::Clock;
 use longstep::domain::{self, Domain, Files};
 use longstep::report::Assessment;
 use longstep::{goal, report};
-use longstep_core::environment::{self, Environment, World};
-use longstep_core::json::Path;
+use longstep_core::environment::World;
 use longstep_core::plan::{self, Node};
 use longstep_core::repair::RepairOutcome;
 use longstep_core::schedule;
@@ -259,7 +258,7 @@ fn two_robots_share_work_as_two_hands_do() {
     let both = ["OPEN_TO(ada)", "OPEN_TO(bo)"];
     let world = testing::world_of(
         &domain,
-        &json!({
+        json!({
             "assets": ["<lobby>", "<office>", "<vault>"],
             "asset_states": {"<lobby>": both, "<office>": both, "<vault>": ["OPEN_TO(bo)"]},
             "objects": ["<letter>", "<safe>", "<lamp>"],

@@ -3,8 +3,7 @@
 
 use longstep::domain::{self, Domain};
 use longstep::report::{Answer, Assessment, Status};
-use longstep_core::environment::{self, Environment, World};
-use longstep_core::json::Path;
+use longstep_core::environment::{self, World};
 use longstep_core::plan::{self, PlanFile, TaskCohesion, Written, script};
 use longstep_core::testing;
 

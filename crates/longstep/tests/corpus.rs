@@ -14,12 +14,11 @@ use std::path::PathBuf;
 use longstep::domain::{self, Domain};
 use longstep::goal::{self, Goal};
 use longstep_core::environment::{self, Claim, Environment, World};
-use longstep_core::json::Path;
 use longstep_core::plan::{self, PlanFile, TaskCohesion};
 use longstep_core::repair;
 use longstep_core::search::{self, Limits, Outcome};
-use longstep_core::verify::{self, Purpose, Report};
 use longstep_core::testing;
+use longstep_core::verify::{self, Purpose, Report};
 use serde_json::Value;
 
 fn read(file: &str) -> Value {
@@ -141,7 +140,7 @@ fn reference_programs_reach_the_goals_of_their_scenarios() {
 #[ignore = "needs LONGSTEP_CORPUS"]
 fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
     let domain = domain("virtualhome");
-    let kitchen = testing::world_of(&domain, &read("virtualhome14/kitchen.json"));
+    let kitchen = testing::world_of(&domain, read("virtualhome14/kitchen.json"));
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
         for world in [&testing::world_of(&domain, &scenario["environment"]), &kitchen] {
             let goal = goal_of(world, &scenario["goal"]);

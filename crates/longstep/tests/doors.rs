@@ -1,13 +1,12 @@
 //! Doors in the shipped household domains: a plan leaves them as it found them, unless the goal says otherwise.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
-use longstep::{domain, goal};
-use longstep_core::environment::{self, Environment, World};
-use longstep_core::json::Path;
+use longstep::goal;
+use longstep_core::environment::World;
 use longstep_core::plan::Plan;
 use longstep_core::search::{self, Limits, Outcome};
-use longstep_core::verify::{Purpose, check};
 use longstep_core::testing;
+use longstep_core::verify::{Purpose, check};
 
 const DOMAINS: [&str; 3] = ["household", "household-checks", "household-dual"];
 

@@ -7,7 +7,6 @@ use longstep::understanding::{Understanding, UnderstandingInput};
 use longstep_core::domain::{self, Domain, Files};
 use longstep_core::environment::{self, Environment, Origin, World};
 use longstep_core::pddl::{object_names, write_problem};
-use longstep_core::search::{Limits, Outcome, solve};
 use longstep_core::testing;
 
 fn files() -> Files {
@@ -259,7 +258,8 @@ fn identifiers_of_any_script_work_everywhere() {
         ],
     );
     let world = world(SCRIPTS);
-    let plan = testing::plan_for(&world, "bring(<Чашка>, <İstanbul>) & bring(<red box>, <Bay.3-A>)");
+    let text = "bring(<Чашка>, <İstanbul>) & bring(<red box>, <Bay.3-A>)";
+    let (goal, plan) = (parse(&world, text).unwrap(), testing::plan_for(&world, text));
     let calls: Vec<String> = plan.steps().iter().map(|step| step.call(&world).to_string()).collect();
     assert_eq!(calls, ["bring(<Чашка>, <İstanbul>)", "bring(<red box>, <Bay.3-A>)"]);
     let explained: Vec<String> = plan.steps().iter().map(|step| step.explanation.clone()).collect();

@@ -5,11 +5,10 @@ use std::collections::{HashMap, VecDeque};
 
 use longstep::domain::{self, Domain, Files, RuleTime};
 use longstep::goal;
-use longstep_core::environment::{self, EntityId, Environment, Moment, State, World, holds};
-use longstep_core::json::Path;
+use longstep_core::environment::{EntityId, Moment, State, World, holds};
 use longstep_core::search::{self, Effort, Limits, Outcome, Wanted};
-use longstep_core::verify::{apply, broken_bindings, check, unmet};
 use longstep_core::testing;
+use longstep_core::verify::{apply, broken_bindings, check, unmet};
 use proptest::prelude::*;
 
 /// Every action with every choice of arguments.
@@ -97,12 +96,16 @@ fn parcels(condition: &str) -> Domain {
 }
 
 fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), TestCaseError> {
-    let world =
-        testing::world_of(domain, environment);
+    let world = testing::world_of(domain, environment);
     let goal = goal::parse(&world, goal).unwrap();
     let purpose = goal.purpose(&world);
     let expected = brute_force(&world, &purpose.at_end(domain));
-    let limits = Limits::default().with_direct(100_000).with_proof(100_000).with_shortest(100_000).with_any(0).with_effort(Effort::default());
+    let limits = Limits::default()
+        .with_direct(100_000)
+        .with_proof(100_000)
+        .with_shortest(100_000)
+        .with_any(0)
+        .with_effort(Effort::default());
     match search::solve(&world, &purpose, &limits) {
         Outcome::Solved { plan, shortest, .. } => {
             prop_assert!(shortest);
@@ -114,7 +117,12 @@ fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), Test
         Outcome::GaveUp { why, .. } => prop_assert!(false, "gave up: {}", why),
     }
     // Greedy search alone finds a plan as well, or proves that there is none.
-    let limits = Limits::default().with_direct(0).with_proof(0).with_shortest(0).with_any(100_000).with_effort(Effort::default());
+    let limits = Limits::default()
+        .with_direct(0)
+        .with_proof(0)
+        .with_shortest(0)
+        .with_any(100_000)
+        .with_effort(Effort::default());
     match search::solve(&world, &purpose, &limits) {
         Outcome::Solved {
             plan,

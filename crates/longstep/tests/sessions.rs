@@ -145,7 +145,13 @@ fn understood(session: &Session, drawn: &Drawn) -> String {
             serde_json::json!({"question": "", "goals": goals}).to_string()
         }
         Strategy::Direct => {
-            let meant = report::of_goal(world, &drawn.goal, &drawn.words, &longstep::Limits::default(), &Clock::none());
+            let meant = report::of_goal(
+                world,
+                &drawn.goal,
+                &drawn.words,
+                &longstep::Limits::default(),
+                &Clock::none(),
+            );
             serde_json::to_string(&meant.answer.plan).unwrap()
         }
     }

@@ -12,9 +12,9 @@ PATIENCE = 20
 
 def build() -> Path:
     """Builds the batch program and returns its path."""
-    command = ["cargo", "build", "--quiet", "--locked", "-p", "longstep-llm", "--no-default-features", "--example", "judge"]
+    command = ["cargo", "build", "--quiet", "--locked", "-p", "longstep-peers", "--bin", "judge"]
     subprocess.run(command, cwd=ROOT, check=True)
-    return Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "debug/examples/judge"
+    return Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "debug/judge"
 
 
 class Judge:

@@ -427,8 +427,7 @@ fn lint_reports_lexicon_names_that_match_nothing() {
             .collect();
         assert_eq!(found.join("; "), expected, "{entry}");
         let json = "{\"environment\": {\"assets\": [\"<desk_1>\"], \"objects\": [\"<box_3>\"]}}";
-        let world =
-            testing::world_of(&domain, json);
+        let world = testing::world_of(&domain, json);
         let found = lint_environment(&world, &files, "e.json", json);
         let idle = found.iter().any(|own| own.lint == Lint::IdleName);
         assert_eq!(idle, !entry.starts_with("box ="), "{entry}");

@@ -2,7 +2,6 @@
 
 use super::{Answers, NewDomain, SourceText, from_answers, from_any_pddl, samples};
 use crate::lint::Lint;
-use longstep_core::environment;
 use longstep_core::testing;
 
 const BLOCKS: &str = "(define (domain BLOCKS)

@@ -40,13 +40,18 @@ pub(crate) enum StrategyArgument {
 
 impl StrategyArguments {
     pub(crate) fn settings(&self) -> Settings {
-        Settings::default().with_strategy(match self.strategy {
+        Settings::default()
+            .with_strategy(match self.strategy {
                 StrategyArgument::Goal => Strategy::Goal,
                 StrategyArgument::Direct => Strategy::Direct,
-            }).with_repair(match (self.no_repair, self.feedback_first) {
+            })
+            .with_repair(match (self.no_repair, self.feedback_first) {
                 (true, _) => RepairPolicy::Never,
                 (false, true) => RepairPolicy::AfterFeedback,
                 (false, false) => RepairPolicy::First,
-            }).with_rounds(self.rounds).with_effort(self.effort).with_partial(self.accept_partial)
+            })
+            .with_rounds(self.rounds)
+            .with_effort(self.effort)
+            .with_partial(self.accept_partial)
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::session::{self, RuleError, Settings, Strategy};
+use longstep::session::{self, RuleError, Strategy};
 use longstep_core::diagnostic::nearest;
 use longstep_core::plan::StepId;
 use longstep_files::{create_private_folder, plain_reason};
@@ -213,7 +213,8 @@ impl Chat<'_> {
                     .into());
             }
         };
-        self.session.set_settings(self.session.settings().with_strategy(strategy));
+        self.session
+            .set_settings(self.session.settings().with_strategy(strategy));
         Ok(())
     }
 }

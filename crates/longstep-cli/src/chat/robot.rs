@@ -15,7 +15,7 @@ use super::{Chat, screen};
 use crate::arguments::ExecutionArguments;
 use crate::failure::Failure;
 use crate::output::{self, Style, counted, print_line, remark};
-use crate::run::{self, Decide, Entry, Opened, Question, View};
+use crate::run::{self, Decide, Opened, Question, RunStart, View};
 use crate::show;
 use crate::signals::{self, Armed};
 
@@ -72,7 +72,7 @@ impl<'a> ChatRobot<'a> {
                 request.attach(own.robot.stop_switch());
                 own
             }
-            _ => run::open(self.named, world, self.arguments.live, request, Entry::New)?,
+            _ => run::open(self.named, world, self.arguments.live, request, RunStart::New)?,
         };
         Ok(opened.insert(own))
     }

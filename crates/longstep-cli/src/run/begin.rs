@@ -150,14 +150,20 @@ fn settings(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> R
         None => Skills::default(),
     };
     observing(robot)?;
-    Ok(Settings::default().with_approval(if opened.is_dry {
+    Ok(Settings::default()
+        .with_approval(if opened.is_dry {
             Approval::Never
         } else {
             arguments.approve.map_or_else(Approval::default, Approval::from)
-        }).with_trust(if opened.is_dry {
+        })
+        .with_trust(if opened.is_dry {
             // Nothing is observed in a dry run.
             Trust::Promised
         } else {
             arguments.trust.map_or_else(Trust::default, Trust::from)
-        }).with_watch(arguments.observe.map_or_else(Watch::default, Watch::from)).with_changes(arguments.changes.unwrap_or(Settings::default().changes)).with_reports(reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?).with_skills(skills))
+        })
+        .with_watch(arguments.observe.map_or_else(Watch::default, Watch::from))
+        .with_changes(arguments.changes.unwrap_or(Settings::default().changes))
+        .with_reports(reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?)
+        .with_skills(skills))
 }

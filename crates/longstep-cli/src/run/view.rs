@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use longstep_core::domain::phrase;
 use longstep_core::environment::World;
-use longstep_core::execution::{Effect, Event, Execution, StepOrder, Proposal, Stop, Subject, Unseen};
+use longstep_core::execution::{Effect, Event, Execution, Proposal, StepOrder, Stop, Subject, Unseen};
 use longstep_core::plan::{Plan, outline};
 use longstep_robot::{Feedback, RobotError, RunLog, Watcher};
 

@@ -154,12 +154,7 @@ impl<'a> Questions<'a> {
         let before = self.segments.clone();
         let shown = &recording.demonstration;
         self.segments.retain(|own| own.step != request.number());
-        self.segments.push(Segment {
-            step: request.number(),
-            source: shown.source.clone(),
-            reference: shown.reference.clone(),
-            frames: shown.frames.clone(),
-        });
+        self.segments.push(Segment::whole(shown, request.number()));
         let lesson = learn(self.requests, &self.segments, self.expectations);
         if let Some(step) = lesson.steps.iter().find(|own| own.step == request.number()) {
             show_step(self.requests, step);

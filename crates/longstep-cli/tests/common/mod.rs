@@ -287,6 +287,20 @@ pub fn run(command: &mut Command, input: &str) -> Ran {
     }
 }
 
+/// A snapshot of several outputs, each below its name.
+#[derive(Default)]
+pub struct Page(String);
+
+impl Page {
+    pub fn add(&mut self, name: &str, text: impl AsRef<str>) {
+        self.0 += &format!("== {name}\n\n{}\n\n", text.as_ref().trim_matches('\n'));
+    }
+
+    pub fn text(&self) -> &str {
+        &self.0
+    }
+}
+
 /// Runs it with this on its input; stdout and stderr come as one text, as a person sees them.
 pub fn seen(command: &mut Command, input: &str) -> String {
     let (mut reader, writer) = std::io::pipe().unwrap();

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::change::Change;
 use super::event::plan_text;
-use super::{Event, Execution, ExecutionError, StepOrder, Phase, Stop};
+use super::{Event, Execution, ExecutionError, Phase, StepOrder, Stop};
 
 /// The number of bytes of an id.
 const ID_LENGTH: usize = 16;

@@ -2,7 +2,7 @@
 
 use super::tests::{fact, household, kitchen, reports};
 use super::*;
-use longstep_model::environment::{self, EntityId};
+use longstep_model::environment::EntityId;
 use longstep_model::model::{Moment, apply, holds};
 use longstep_search::goal;
 use longstep_search::testing;
@@ -166,11 +166,7 @@ fn execution_counts_only_stages_that_really_happened() {
     for idle in 1..24 {
         for watch in [Watch::EachStep, Watch::OnFailure] {
             for trust in [Trust::Observed, Trust::Promised] {
-                let mut execution = begin(
-                    &world,
-                    goal,
-                    trusting(Approval::Never, trust).with_watch(watch),
-                );
+                let mut execution = begin(&world, goal, trusting(Approval::Never, trust).with_watch(watch));
                 let idle = [idle];
                 let mut robot = Robot::new(&execution, &idle, None);
                 let end = robot.run(&mut execution);

@@ -49,7 +49,7 @@ pub use settings::{Approval, Settings, Trust, Watch};
 
 use evidence::{Looks, TrustedProgress};
 use knowledge::Knowledge;
-use longstep_model::environment::{Environment, ObservedFacts, Observation};
+use longstep_model::environment::{Environment, Observation, ObservedFacts};
 use longstep_model::model::{State, StateVariable, World};
 use longstep_search::search::GroundAction;
 use longstep_verify::cursor::Cursor;

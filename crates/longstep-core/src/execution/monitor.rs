@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use super::{Event, Execution, ExecutionError, Phase, Stop};
-use longstep_model::environment::{ObservedFacts, Observation};
+use longstep_model::environment::{Observation, ObservedFacts};
 use longstep_model::model::{
     Changes, Difference, Fact, Fluent, State, StateVariable, StepPattern, Voice, World, apply, assigned,
     broken_bindings, changed_facts, fact_text, fired,

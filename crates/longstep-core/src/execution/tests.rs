@@ -1,6 +1,6 @@
 use super::*;
 use longstep_model::domain;
-use longstep_model::environment::{self, EntityId, fact_of};
+use longstep_model::environment::{EntityId, fact_of};
 use longstep_model::model::{Domain, Fact, Moment, PredicateId, apply, holds};
 use longstep_search::testing;
 
@@ -135,7 +135,10 @@ pub(super) fn reports(world: &World) -> Vec<PredicateId> {
 }
 
 fn execution(world: &World, goal: &str, watch: Watch) -> Execution {
-    let settings = Settings::default().with_approval(Approval::Never).with_watch(watch).with_reports(reports(world));
+    let settings = Settings::default()
+        .with_approval(Approval::Never)
+        .with_watch(watch)
+        .with_reports(reports(world));
     Execution::new(&testing::plan_for(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
 }
 
@@ -236,7 +239,11 @@ fn execution_applies_constraints_to_the_changed_plan() {
 #[test]
 fn nothing_that_was_not_approved_is_performed() {
     let world = kitchen();
-    let settings = |approval| Settings::default().with_approval(approval).with_reports(reports(&world));
+    let settings = |approval| {
+        Settings::default()
+            .with_approval(approval)
+            .with_reports(reports(&world))
+    };
     let aim = Aim::Goal("put(cup, shelf)".to_owned());
     let plan = testing::plan_for(&world, "put(cup, shelf)");
     let begin = |approval| Execution::new(&plan, &aim, settings(approval)).unwrap();
@@ -582,7 +589,9 @@ fn execution_sends_skill_values_only_with_their_own_step() {
         // The plan is changed, or there is none: nothing moves to the handle without its value.
         (vec![(open as u64 + 5, Mishap::Then(&stolen[..]))], None),
     ] {
-        let settings = Settings::default().with_reports(reports(&world)).with_skills(skills.clone());
+        let settings = Settings::default()
+            .with_reports(reports(&world))
+            .with_skills(skills.clone());
         let settings = settings.with_approval(Approval::Never).with_watch(Watch::EachStep);
         let mut execution = Execution::new(&plan, &Aim::Goal(goal.to_owned()), settings).unwrap();
         let mut real = Real::of(&execution, &mishaps);

@@ -126,7 +126,8 @@ fn every_expected_goal_can_be_reached() {
             for step in &case.steps {
                 let mut next = None;
                 for goal in step.expected.goals() {
-                    let solution = report::of_goal(&world, goal, &step.says, &longstep::Limits::default(), &Clock::none());
+                    let solution =
+                        report::of_goal(&world, goal, &step.says, &longstep::Limits::default(), &Clock::none());
                     let plan = solution
                         .plan
                         .unwrap_or_else(|| panic!("{name}/{}: {}", case.id, step.says));
@@ -152,7 +153,11 @@ fn an_unreachable_goal_is_found_with_its_instruction_and_the_reason() {
     let expected = "case `b`, instruction 2 (Put it into the desk.): its goal cannot be reached; \
          `put(pen, desk) & on_something(pen, shelf)`: each goal can be reached, but not all of them together";
     assert_eq!(shown, [expected]);
-    let limits = longstep::Limits::default().with_direct(1).with_proof(1).with_shortest(1).with_any(1);
+    let limits = longstep::Limits::default()
+        .with_direct(1)
+        .with_proof(1)
+        .with_shortest(1)
+        .with_any(1);
     let given_up = suite.goal_findings(&limits).unreached;
     assert!(
         !given_up.is_empty() && given_up.iter().all(|one| !one.proven),

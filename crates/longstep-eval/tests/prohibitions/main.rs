@@ -200,7 +200,10 @@ fn goal_strategy_obeys_prohibitions() {
 fn direct_strategy_accepts_no_plan_that_breaks_a_prohibition() {
     for repair in [RepairPolicy::First, RepairPolicy::AfterFeedback, RepairPolicy::Never] {
         for scene in scenes() {
-            let settings = Settings::default().with_strategy(Strategy::Direct).with_repair(repair).with_rounds(1);
+            let settings = Settings::default()
+                .with_strategy(Strategy::Direct)
+                .with_repair(repair)
+                .with_rounds(1);
             let mut session = scene.session(settings);
             session.add_rule(&scene.case.rule).unwrap();
             scene.answered(&mut session, &serde_json::to_string(&scene.draft()).unwrap());

@@ -22,7 +22,7 @@ use super::prompt::{PromptTokens, Template};
 use super::sample::{Sampler, Score};
 use super::state::States;
 use super::vision::{PictureTokens, Vision};
-use super::{Count, WorkerReport, Job};
+use super::{Count, Job, WorkerReport};
 use crate::{ModelError, Progress, Sampling};
 
 /// A state is saved if at least this many tokens were computed: computing fewer is faster than saving.

@@ -7,7 +7,7 @@ use reqwest::header::{CONTENT_RANGE, RANGE};
 use reqwest::{Client, Response, StatusCode};
 
 use super::verified::HashedFile;
-use super::{SourceFailure, PACE_BYTES, PullOptions, PullProgress, Tell, part_path};
+use super::{PACE_BYTES, PullOptions, PullProgress, SourceFailure, Tell, part_path};
 use crate::ModelError;
 use crate::call::{self, Call, GivenUp, root};
 use crate::catalogue::Entry;
@@ -25,7 +25,12 @@ const HEAD: Duration = Duration::from_secs(30);
 const REDIRECTS: usize = 10;
 
 /// Downloads the model's file to `path`.
-pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), SourceFailure> {
+pub(super) fn fetch(
+    entry: &Entry,
+    path: &Path,
+    options: &PullOptions,
+    tell: &mut Tell<'_>,
+) -> Result<(), SourceFailure> {
     let (Some(repository), Some(file)) = (entry.hub_repository, entry.hub_file) else {
         return Err(SourceFailure::Source("this model is not published there".into()));
     };

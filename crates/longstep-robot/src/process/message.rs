@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use crate::description::{Description, Timeouts};
 use crate::error::RobotError;
-use longstep_core::environment::Observation;
 use crate::robot::{Feedback, Progress};
+use longstep_core::environment::Observation;
 
 /// The version of the protocol that this crate speaks.
 pub const PROTOCOL_VERSION: u64 = 1;

@@ -25,13 +25,13 @@ use message::{initialized, observed};
 
 use crate::description::Description;
 use crate::error::RobotError;
-use crate::scope::Scope;
-use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 use crate::presence::{self, Presence};
 use crate::program::{Child, CommandLine, Watched};
 use crate::robot::{Progress, Robot, StopSwitch};
+use crate::scope::Scope;
 use crate::stop::StopRequest;
+use longstep_core::environment::Observation;
 
 pub use message::{LINE_LIMIT, PROTOCOL_VERSION};
 

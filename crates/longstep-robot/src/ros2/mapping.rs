@@ -255,7 +255,7 @@ fn is_rejection(reason: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use longstep_core::domain;
+
     use longstep_core::testing;
 
     use super::*;

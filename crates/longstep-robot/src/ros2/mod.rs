@@ -48,10 +48,10 @@ use stopping::has_no_active_goal;
 
 use crate::description::{Description, Timeouts};
 use crate::error::RobotError;
-use crate::scope::Scope;
-use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 use crate::robot::{Progress, Robot, StopSwitch};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 
 /// The time between two looks at timeouts. Messages are read as they come.
 const TICK: Duration = Duration::from_millis(20);

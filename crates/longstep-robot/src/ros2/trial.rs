@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use longstep_core::environment::{ObservedFacts as Seen, Observation, World};
+use longstep_core::environment::{ObservedFacts as Seen, World};
 use longstep_core::model::Domain;
 use serde_json::Value;
 

@@ -20,10 +20,10 @@ use longstep_core::schedule::independent;
 
 use crate::description::Description;
 use crate::error::RobotError;
-use crate::scope::Scope;
-use longstep_core::environment::Observation;
 use crate::order::Order;
 use crate::robot::{Feedback, Handle, Progress, Robot, StopSwitch};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 
 use mishap::History;
 pub use mishap::Mishap;

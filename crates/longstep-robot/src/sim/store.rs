@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{Read, Write};
 use std::path::Path;
 
-use longstep_core::environment::{EntityId, ObservedFacts as Seen, Observation};
+use longstep_core::environment::{EntityId, Observation, ObservedFacts as Seen};
 
 use super::Sim;
 use crate::error::RobotError;

@@ -235,7 +235,10 @@ impl Simulator {
         let (width, height) = PICTURE;
         let size = json!({ "mode": "normal", "image_width": width, "image_height": height });
         let texts = [size.to_string()];
-        let answer = self.accepted("camera_image", &ApiRequest::new("camera_image", &camera, &texts, QUESTION))?;
+        let answer = self.accepted(
+            "camera_image",
+            &ApiRequest::new("camera_image", &camera, &texts, QUESTION),
+        )?;
         let text = answer.message_list.and_then(|pictures| pictures.into_iter().next());
         let text = text.ok_or_else(|| protocol("`camera_image` has no picture"))?;
         let picture = STANDARD.decode(text.trim());

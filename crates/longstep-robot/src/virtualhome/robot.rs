@@ -14,10 +14,10 @@ use super::options::VirtualHomeOptions;
 use super::script::{Line, entity};
 use crate::description::{Description, Timeouts};
 use crate::error::RobotError;
-use crate::scope::Scope;
-use longstep_core::environment::Observation;
 use crate::order::{Handle, Order};
 use crate::robot::{Feedback, Progress, Robot, StopSwitch};
+use crate::scope::Scope;
+use longstep_core::environment::Observation;
 
 /// The time in which a line that is under way may end before a stop counts as not confirmed.
 const STOP: Duration = Duration::from_secs(2);

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use longstep_core::execution::{Aim, Approval, Event, Execution, StepOrder, Proposal, Settings, Stop, Unseen};
+use longstep_core::execution::{Aim, Approval, Event, Execution, Proposal, Settings, StepOrder, Stop, Unseen};
 use longstep_core::verify::VerifiedPlan;
 use longstep_robot::{Robot, StopRequest, Watcher, drive, reports};
 
@@ -38,7 +38,9 @@ impl Watcher for Keeping {
 
 /// Carries out a plan; returns the events and the reason of a stop.
 pub fn carried_out(plan: &VerifiedPlan, aim: &Aim, robot: &mut dyn Robot) -> (Execution, Vec<Event>, Option<Stop>) {
-    let settings = Settings::default().with_approval(Approval::Never).with_reports(reports(robot, plan.world()).unwrap());
+    let settings = Settings::default()
+        .with_approval(Approval::Never)
+        .with_reports(reports(robot, plan.world()).unwrap());
     let mut execution = Execution::new(plan, aim, settings).unwrap();
     let (mut watcher, request) = (Keeping::default(), StopRequest::of(robot));
     let stop = drive(&mut execution, robot, &mut watcher, &request);

@@ -288,7 +288,7 @@ fn problems_with_numbers_are_written_and_read_back() {
     // The ranges of the domain are rules on every state, which a problem cannot say.
     assert!(write_problem(&world, &goal.purpose(&world), "p").is_err());
     let domain = tank().edited(|data| data.rules.clear());
-    let world = testing::world_of(&domain, &environment_text("80", "0"));
+    let world = testing::world_of(&domain, environment_text("80", "0"));
     let text = write_problem(&world, &goal.purpose(&world), "p").unwrap();
     for part in [
         "(= (level north_tank) 0)",

@@ -5,7 +5,6 @@ use crate::pddl::{read_problem, write_plan};
 use crate::search::{Limits, Outcome, solve};
 use crate::testing;
 use longstep_model::domain::{Files, from_pddl, load};
-use longstep_model::environment;
 use longstep_model::model::{Condition, State, World};
 use longstep_verify::verify::check;
 

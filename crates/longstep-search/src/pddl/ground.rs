@@ -266,7 +266,6 @@ mod tests {
     use super::*;
     use crate::goal;
     use crate::testing;
-    use longstep_model::{domain, environment};
 
     #[test]
     fn a_goal_with_sensing_is_refused_and_others_name_each_step_once() {

@@ -2,11 +2,8 @@ use super::*;
 use crate::goal;
 use crate::search::{Limits, Outcome, solve};
 use crate::testing;
-use longstep_model::domain::{self};
-use longstep_model::environment::{self};
-use longstep_model::json::Path;
-use longstep_model::model::{Domain, Environment};
-use longstep_model::{domain, environment};
+use longstep_model::domain;
+use longstep_model::model::Domain;
 use longstep_verify::plan::{Plan, Step};
 use longstep_verify::verify::{Purpose, check};
 

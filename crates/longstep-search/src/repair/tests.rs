@@ -11,7 +11,6 @@ use crate::search::{self, Limits};
 use crate::testing;
 use longstep_model::domain::{self, Files};
 use longstep_model::environment::{self, Claim};
-use longstep_model::json::Path;
 use longstep_model::model::{ActionId, EntityId, Environment, Moment, State, holds};
 use longstep_verify::plan::{Plan, PlanFile, TaskCohesion, resolve};
 use longstep_verify::verify::{self, Report, apply, can_apply, unmet};
@@ -449,7 +448,7 @@ proptest! {
         claimed in prop::option::of(prop::collection::vec((0usize..2, 0u8..6), 0..4)),
     ) {
         let domain = random_domain(&actions);
-        let world = testing::world_of(&domain, &environment(&before));
+        let world = testing::world_of(&domain, environment(&before));
         let calls: Vec<String> = calls
             .iter()
             .map(|(action, x, y)| format!("Act{}({}, {})", action % actions.len(), ENTITIES[*x], ENTITIES[*y]))

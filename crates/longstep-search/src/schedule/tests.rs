@@ -2,13 +2,9 @@
 
 use super::*;
 use crate::goal;
-use crate::search::{Limits, Outcome, solve};
 use crate::testing;
-use longstep_model::domain;
-use longstep_model::environment::{self};
-use longstep_model::json::Path;
-use longstep_model::model::{Environment, World};
-use longstep_model::{domain, environment};
+use longstep_model::environment;
+use longstep_model::model::World;
 use longstep_verify::plan::{Lane, LaneItem, Node, Plan, Step, StepId, TaskCohesion, Test, resolve};
 use longstep_verify::verify::{Purpose, VerifiedPlan, bind, check};
 
@@ -23,8 +19,7 @@ const ROOM: &str = r#"{
 
 fn room(text: &str) -> (Domain, World) {
     let domain = testing::domain("household-dual");
-    let world =
-        testing::world_of(&domain, text);
+    let world = testing::world_of(&domain, text);
     (domain, world)
 }
 

@@ -317,7 +317,13 @@ impl Requirements {
             // Any entity stands in for the parameters, so that quantified variables have their own slots.
             let mut bindings: Bindings = first.iter().copied().cycle().take(action.parameters.len()).collect();
             if bindings.len() == action.parameters.len() {
-                named(world, &action.precondition, action.parameters.len(), &mut bindings, &mut found);
+                named(
+                    world,
+                    &action.precondition,
+                    action.parameters.len(),
+                    &mut bindings,
+                    &mut found,
+                );
             }
         }
         found
@@ -340,7 +346,9 @@ fn named(
     };
     match condition {
         Condition::And(parts) | Condition::Or(parts) => {
-            parts.iter().for_each(|part| named(world, part, unbound, bindings, found));
+            parts
+                .iter()
+                .for_each(|part| named(world, part, unbound, bindings, found));
         }
         Condition::Exists(slot, kind, inner) => {
             let moment = Moment {

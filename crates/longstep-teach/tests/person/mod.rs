@@ -1,8 +1,7 @@
 //! A person who shows the steps of a plan: a hand path at 30 Hz with 5 mm of noise.
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)]
 
-use longstep_core::domain;
-use longstep_core::environment::{self, World};
+use longstep_core::environment::World;
 use longstep_core::plan::{Plan, Step};
 use longstep_core::testing;
 use longstep_teach::{Demonstration, Format, Request, requests};

@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 
 use super::Violation;
-use super::walk::{STATES, Walk};
 use super::path::ExecutionPath;
+use super::walk::{STATES, Walk};
 use crate::plan::{Lane, LaneItem, StepId};
 use longstep_model::effort;
 use longstep_model::model::{EntityId, Fluent, Number, State};
@@ -129,7 +129,8 @@ impl Walk<'_> {
             return;
         }
         let last = |path: &ExecutionPath| self.history.back(path.here).next().map(|(step, _)| step.index());
-        let differs = |one: &ExecutionPath, other: &ExecutionPath| one.state.iter().find(|fact| !other.state.holds(*fact));
+        let differs =
+            |one: &ExecutionPath, other: &ExecutionPath| one.state.iter().find(|fact| !other.state.holds(*fact));
         let fact = differs(&one, &other).or_else(|| differs(&other, &one));
         let (Some(step), Some(second)) = (last(&one), last(&other)) else {
             return;

@@ -9,20 +9,20 @@ mod claims;
 mod history;
 mod lanes;
 mod loop_states;
-mod stage_tracker;
+mod path;
 mod reachability;
 mod rules;
+mod stage_tracker;
 #[cfg(test)]
 pub(crate) mod tests;
 mod walk;
-mod path;
 
 pub use bind::{Candidate, bind, bind_as_far, candidates, claimed_places};
 pub use bind_tree::bind_tree;
-pub use order::Progress;
 pub use reachability::{can_apply, can_be_brought_about, possibly};
 use rules::wanted_at_end;
 pub use rules::{Waiver, broken_at_end};
+pub use stage_tracker::Progress;
 pub use walk::STATES;
 
 pub use crate::plan::{Assumption, StepClaim, Violation};
@@ -30,7 +30,7 @@ pub use longstep_model::model::{Change, Ending, Missing, Trace, apply, broken_bi
 
 use std::borrow::Cow;
 
-use crate::plan::{Plan, PlanFile, Step, StepId, resolve};
+use crate::plan::{Plan, PlanFile, Step, resolve};
 use longstep_model::domain::Problem;
 use longstep_model::effort;
 use longstep_model::environment::Claim;
@@ -38,8 +38,8 @@ use longstep_model::model::{
     ActionId, Domain, EntityId, Fact, Fluent, Moment, Number, Prohibition, State, Wanted, World, differences, holds,
     subject_of,
 };
-use walk::Walk;
 use path::ExecutionPath;
+use walk::Walk;
 
 /// A condition to achieve in a stage of a plan.
 #[derive(Debug, Clone)]

@@ -9,8 +9,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::history::{History, with_culprits};
 use super::loop_states::{LoopStates, kept_units};
-use super::stage_tracker::StageTracker;
 use super::path::ExecutionPath;
+use super::stage_tracker::StageTracker;
 use super::{Purpose, StepClaim, Violation, claims, unmet};
 use crate::plan::{Node, Plan, StepId, Test, tree};
 use longstep_model::effort;
@@ -129,7 +129,11 @@ impl<'a> Walk<'a> {
     }
 
     /// Runs `done` on each path. A finding on all paths no longer depends on sensing outcomes.
-    pub(super) fn each<T>(&mut self, paths: Vec<ExecutionPath>, mut done: impl FnMut(&mut Self, ExecutionPath) -> Vec<T>) -> Vec<T> {
+    pub(super) fn each<T>(
+        &mut self,
+        paths: Vec<ExecutionPath>,
+        mut done: impl FnMut(&mut Self, ExecutionPath) -> Vec<T>,
+    ) -> Vec<T> {
         let (count, from) = (paths.len(), self.found.len());
         let mut all = Vec::with_capacity(count);
         for path in paths {
@@ -414,13 +418,19 @@ impl<'a> Walk<'a> {
     /// findings name.
     ///
     /// Within a condition, paths with equal states are merged and limited, as between nodes.
-    fn test(&mut self, condition: &Test, paths: Vec<ExecutionPath>, before: Option<usize>) -> (Vec<ExecutionPath>, Vec<ExecutionPath>) {
+    fn test(
+        &mut self,
+        condition: &Test,
+        paths: Vec<ExecutionPath>,
+        before: Option<usize>,
+    ) -> (Vec<ExecutionPath>, Vec<ExecutionPath>) {
         match condition {
             Test::Sense(id) => {
                 let paths = self.steps(*id, paths);
                 // The test of a sensing step is true for its first outcome.
                 let first = self.senses(*id).first().copied();
-                paths.into_iter()
+                paths
+                    .into_iter()
                     .partition(|path| first.is_some_and(|fact| path.state.holds(fact)))
             }
             Test::Holds(fact) => {
@@ -482,7 +492,13 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns the paths after a loop with a condition.
-    fn repeated(&mut self, condition: &Test, body: &[Node], paths: Vec<ExecutionPath>, before: Option<usize>) -> Vec<ExecutionPath> {
+    fn repeated(
+        &mut self,
+        condition: &Test,
+        body: &[Node],
+        paths: Vec<ExecutionPath>,
+        before: Option<usize>,
+    ) -> Vec<ExecutionPath> {
         let start = &self.world.state;
         let mut heads = LoopStates::default();
         for path in paths {

@@ -5,8 +5,7 @@ use serde_json::{Value, json};
 use super::*;
 use crate::dialogue::{ChatRequest, Constraint, ConstraintKind, Dialogue};
 use crate::domain::{Domain, shipped};
-use crate::environment::{self, Environment, World};
-use crate::json::Path;
+use crate::environment::World;
 use crate::plan::{PlanFile, script};
 use crate::report::Answer;
 use longstep_core::testing;
@@ -205,7 +204,7 @@ fn composition_reports_entities_missing_from_the_world() {
     let mut scene = cream(ON_BENCH);
     scene.world = testing::world_of(
         &scene.domain,
-        &json!({"assets": ["<bench>"], "objects": ["<cream>"], "object_states": {"<cream>": ON_BENCH}}),
+        json!({"assets": ["<bench>"], "objects": ["<cream>"], "object_states": {"<cream>": ON_BENCH}}),
     );
     let answer = composed(&scene, "take_cream()\nshelve_cream()").unwrap().verdict();
     let first = &answer.violations[0];

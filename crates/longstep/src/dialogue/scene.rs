@@ -3,15 +3,17 @@
 use rustc_hash::FxHashSet;
 
 use super::example::scene_text;
-use crate::instruction;
 use crate::environment::{EntityId, Fact, World};
-use crate::goal;
+use crate::instruction;
 
 /// Renders the scene: every object with its place, and every place that a goal can be about.
 pub fn scene(world: &World) -> String {
     let domain = world.domain();
     let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
-    let goals = domain.goal_words.iter().flat_map(|word| instruction::sayable(world, word));
+    let goals = domain
+        .goal_words
+        .iter()
+        .flat_map(|word| instruction::sayable(world, word));
     let sensed = instruction::conditions(world)
         .into_iter()
         .flat_map(|own| domain.arguments(own.fact).collect::<Vec<_>>());

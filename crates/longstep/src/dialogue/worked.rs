@@ -115,7 +115,8 @@ fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<
     world.add_values(text);
     let world = &world;
     let goal = goal::parse(world, text).map_err(|error| error.to_string())?;
-    let Solution { plan, answer } = report::of_goal(world, &goal, summary, &crate::search::Limits::default(), &Clock::none());
+    let Solution { plan, answer } =
+        report::of_goal(world, &goal, summary, &crate::search::Limits::default(), &Clock::none());
     match (plan, answer.status) {
         (Some(plan), _) if plan.steps().is_empty() => Err("the goal of this example holds already".to_owned()),
         (Some(plan), _) => Ok(shown(domain, world, &plan, summary)),

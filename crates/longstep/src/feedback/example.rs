@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::grammar::{FURTHER, GOAL};
-use super::language::{WrittenWish, JOINT, action_of, form};
+use super::language::{JOINT, WrittenWish, action_of, form};
 use crate::call::Call;
 use crate::dialogue::{ConstraintKind, Message, Role};
 use crate::goal::QUESTION;

@@ -4,11 +4,9 @@ use super::reference::References;
 use super::*;
 use crate::dialogue::{ConstraintKind, Dialogue, Reply};
 use crate::domain::{self, Domain};
-use crate::environment::{self, Environment, World};
-use crate::json::Path;
+use crate::environment::World;
 use crate::plan::{Plan, TaskCohesion, resolve};
 use crate::repair::Reach;
-use crate::search::{self, Limits, Outcome};
 use crate::{goal, verify};
 use longstep_core::testing;
 

@@ -2,8 +2,8 @@
 
 use super::mentions::said_length;
 use super::{Mentions, reference_words};
-use crate::goal::{Constraint, Goal, GoalFact};
 use crate::environment::{Distinctions, EntityId, Fact, Moment, World, holds};
+use crate::goal::{Constraint, Goal, GoalFact};
 use crate::model::{TypeId, head, label, plain_words, singular};
 
 /// Returns a question if the instruction refers to one entity by a name that several have: "the mug". Returns none if the

@@ -1,10 +1,8 @@
 //! Goals that depend on sensing: notation, parsing, grammar and interpretation.
 
-use super::*;
-use crate::goal::*;
 use crate::domain::{self, Domain};
-use crate::environment::{self, Environment, World};
-use crate::json::Path;
+use crate::environment::World;
+use crate::goal::*;
 use longstep_core::testing;
 
 fn kitchen() -> (Domain, World) {

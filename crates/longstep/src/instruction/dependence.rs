@@ -42,8 +42,7 @@ pub(crate) fn conditions(world: &World) -> Vec<Dependence> {
 mod tests {
     use super::*;
     use crate::domain;
-    use crate::environment::{self, Environment};
-    use crate::json::Path;
+
     use longstep_core::testing;
 
     #[test]

@@ -65,9 +65,7 @@ pub fn spelled_out(world: &World, instruction: &str, before: &[EntityId]) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain;
-    use crate::environment::{self, Environment};
-    use crate::json::Path;
+
     use longstep_core::testing;
 
     #[track_caller]

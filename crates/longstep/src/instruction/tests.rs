@@ -1,10 +1,9 @@
 //! Goals, and references that several things fit, as tables.
 
 use super::*;
-use crate::goal::*;
 use crate::domain::{self, Domain};
-use crate::environment::{self, Environment, World};
-use crate::json::Path;
+use crate::environment::World;
+use crate::goal::*;
 use longstep_core::testing;
 
 fn flat() -> (Domain, World) {

@@ -20,8 +20,7 @@ fn session() -> Session {
 fn log(events: &[Event]) -> Log {
     let line = |event: &Event| {
         let event = event.clone();
-        Entry::new(String::new(), event)
-        .line()
+        Entry::new(String::new(), event).line()
     };
     Log::read(events.iter().map(line).collect::<String>().as_bytes()).unwrap()
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Event, OutOfTurn, Session, Stage};
 use crate::environment::World;
-use longstep_core::environment::{ObservedFacts, ObservationError, Observation};
+use longstep_core::environment::{Observation, ObservationError, ObservedFacts};
 use longstep_core::model::{Voice, change_text, changed_facts};
 
 /// The result of an observation.

@@ -370,7 +370,13 @@ impl Understanding {
         Ok(self.interpreted(read, Profile::BELIEVED, decision, asked))
     }
 
-    fn interpreted(&mut self, read: ModelAnswer, profile: Profile, decision: Decision, asked: String) -> Interpretation {
+    fn interpreted(
+        &mut self,
+        read: ModelAnswer,
+        profile: Profile,
+        decision: Decision,
+        asked: String,
+    ) -> Interpretation {
         if let Some(last) = self.candidates.last_mut() {
             last.chosen = true;
         }

@@ -1,7 +1,7 @@
 //! Questions to the person, in words about the world.
 
 use crate::environment::World;
-use crate::goal::{self, Goal};
+use crate::goal::Goal;
 use crate::instruction::{self, Mentions};
 
 /// A question about an instruction.

@@ -3,7 +3,7 @@
 use super::{Examples, Understanding, UnderstandingInput};
 use crate::dialogue::{Constraint, ConstraintKind, Decision, Dialogue, Finish, Likelihood, Reply, Round};
 use crate::domain::{Domain, shipped};
-use crate::environment::{self, World};
+use crate::environment::World;
 use longstep_core::testing;
 
 fn kitchen() -> (Domain, World) {

@@ -28,7 +28,14 @@ fn planned(domain: String, problem: String) -> Work {
             Err(_) => return false,
         };
         let purpose = Purpose::from(&problem);
-        let found = report::of_purpose(&problem.world, &purpose, None, "", &longstep::Limits::default(), &Clock::none());
+        let found = report::of_purpose(
+            &problem.world,
+            &purpose,
+            None,
+            "",
+            &longstep::Limits::default(),
+            &Clock::none(),
+        );
         let _ = pddl::write_problem(&problem.world, &purpose, "again");
         found.answer.status == Status::Verified
     })

@@ -27,10 +27,10 @@ PRINTED = 12
 
 
 def build() -> Path:
-    """Builds the example that carries out runs, and returns its path."""
-    command = ["cargo", "build", "--quiet", "--locked", "-p", "longstep-llm", "--no-default-features", "--example", "judge_runs"]
+    """Builds the program that carries out runs, and returns its path."""
+    command = ["cargo", "build", "--quiet", "--locked", "-p", "longstep-peers", "--bin", "judge_runs"]
     subprocess.run(command, cwd=ROOT, check=True)
-    return Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "debug/examples/judge_runs"
+    return Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "debug/judge_runs"
 
 
 def started(program: Path) -> subprocess.Popen:
@@ -108,7 +108,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=2000, help="how many [default: 2000]")
     parser.add_argument("--seed", type=int, help="what the sample is drawn from [default: a new one, printed]")
     parser.add_argument("--only", type=int, help="the runs of this one seed of a report")
-    parser.add_argument("--runner", type=Path, help="the built example `judge_runs` [default: build it]")
+    parser.add_argument("--runner", type=Path, help="the built program `judge_runs` [default: build it]")
     parser.add_argument("--processes", type=int, default=2, help="processes at a time [default: 2]")
     parser.add_argument("--program", type=Path, help="runs through this program `longstep`, with kills")
     parser.add_argument("--full", action="store_true", help="print all counts")

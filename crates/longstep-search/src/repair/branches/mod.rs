@@ -6,15 +6,15 @@
 //! So the cost is minimal for each path, but not for all together.
 
 mod draft;
+mod path;
 mod sensing;
 mod settle;
 #[cfg(test)]
 mod tests;
-mod path;
 
 use draft::Draft;
-use sensing::{behind_sensing, with_outcomes};
 use path::OutcomeOrder;
+use sensing::{behind_sensing, with_outcomes};
 
 use super::{Edit, EditKind, Pins, RepairOutcome, Repaired, repair_within};
 use longstep_model::model::{Fact, World};

@@ -3,13 +3,11 @@
 use proptest::prelude::*;
 
 use super::super::{EditKind, Pins, Reach, RepairOutcome, Unwanted, repair, repair_pinned};
-use longstep_model::domain;
-use longstep_model::environment::{self, Claim};
-use longstep_model::json::Path;
+use crate::testing;
+use longstep_model::environment::Claim;
 use longstep_model::model::{Domain, Environment, World};
 use longstep_verify::plan::{Step, StepId, TaskCohesion, resolve, script};
 use longstep_verify::verify::{Purpose, bind_tree};
-use crate::testing;
 
 const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<compost_bin>", "<freezer>"],
     "objects": ["<cheese>", "<soup>", "<freezer_handle>", "<rag>"],

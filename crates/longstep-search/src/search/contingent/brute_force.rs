@@ -8,11 +8,7 @@ use super::*;
 use crate::goal::{self, Goal};
 use crate::search::Effort;
 use crate::testing;
-use longstep_model::domain::{self};
-use longstep_model::environment::{self};
-use longstep_model::json::Path;
-use longstep_model::model::{ActionId, Environment, Moment, State, Wanted, ground, holds};
-use longstep_model::{domain, environment};
+use longstep_model::model::{ActionId, Moment, State, Wanted, ground, holds};
 use longstep_verify::plan::Node;
 use longstep_verify::verify::{apply, check as verify};
 

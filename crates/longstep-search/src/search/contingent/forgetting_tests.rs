@@ -5,9 +5,6 @@ use super::*;
 use crate::goal;
 use crate::testing;
 use longstep_model::domain::{self, Files};
-use longstep_model::environment;
-use longstep_model::json::Path;
-use longstep_model::model::Environment;
 use longstep_verify::verify::check as verify;
 
 fn world() -> World {

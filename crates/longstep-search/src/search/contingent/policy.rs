@@ -117,7 +117,11 @@ fn pieces(task: &Task, policy: &Policy) -> Vec<PlanPiece> {
         pieces.push(PlanPiece::Look(sensing, ways));
     } else {
         let exits = ways.iter().map(|(fact, _)| *fact).collect();
-        pieces.push(PlanPiece::Loop(sensing, again.into_iter().filter_map(way).collect(), exits));
+        pieces.push(PlanPiece::Loop(
+            sensing,
+            again.into_iter().filter_map(way).collect(),
+            exits,
+        ));
         pieces.push(PlanPiece::Known(ways));
     }
     pieces.extend(tail);

@@ -1,11 +1,9 @@
 use super::*;
 use crate::goal;
 use crate::testing;
-use longstep_model::domain;
-use longstep_model::environment::{self};
+use longstep_model::environment;
 use longstep_model::json::Path;
 use longstep_model::model::Environment;
-use longstep_model::{domain, environment};
 use longstep_verify::plan::{Node, Plan, Test};
 use longstep_verify::verify::check as verify;
 
@@ -234,10 +232,22 @@ fn search_does_not_restore_objects_that_a_goal_has_moved() {
 fn policy_that_costs_too_much_is_not_proven_impossible() {
     let (domain, world) = scene("");
     for (text, below, expected) in [
-        ("if expired(spam) then put(spam, trash bin) else put(spam, shelf)", 100, "found"),
-        ("if expired(spam) then put(spam, trash bin) else put(spam, shelf)", 4, "too dear"),
+        (
+            "if expired(spam) then put(spam, trash bin) else put(spam, shelf)",
+            100,
+            "found",
+        ),
+        (
+            "if expired(spam) then put(spam, trash bin) else put(spam, shelf)",
+            4,
+            "too dear",
+        ),
         ("if dirty(table) then wiped(table, sponge)", 7, "too dear"),
-        ("if expired(spam) then put(spam, spam) else put(spam, shelf)", 100, "impossible"),
+        (
+            "if expired(spam) then put(spam, spam) else put(spam, shelf)",
+            100,
+            "impossible",
+        ),
     ] {
         let goal = goal::parse(&world, text).unwrap();
         let target = Target::of(&domain, &goal.purpose(&world));

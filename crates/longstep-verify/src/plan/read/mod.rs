@@ -243,7 +243,10 @@ fn find_in_answer(text: &str, depth: usize) -> Result<FoundPlan, Unreadable> {
 }
 
 /// Returns the plan on which all readings agree that are plans; the first error if none is one; none without a reading.
-fn chosen(text: &str, readings: Vec<(&'static str, Result<FoundPlan, Unreadable>)>) -> Option<Result<FoundPlan, Unreadable>> {
+fn chosen(
+    text: &str,
+    readings: Vec<(&'static str, Result<FoundPlan, Unreadable>)>,
+) -> Option<Result<FoundPlan, Unreadable>> {
     let mut error = None;
     let mut plan: Option<(&'static str, FoundPlan)> = None;
     for (name, reading) in readings {

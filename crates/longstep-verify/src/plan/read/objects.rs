@@ -199,7 +199,8 @@ impl Survey {
             }
         }
         if let (Some(plan), Some((steps, start))) = (&mut self.plan, self.unsure)
-            && FoundPlan::of_steps(text, steps, start, Notes::default()).is_ok_and(|other| !other.has_steps_of(&plan.found))
+            && FoundPlan::of_steps(text, steps, start, Notes::default())
+                .is_ok_and(|other| !other.has_steps_of(&plan.found))
         {
             plan.count += 1;
             plan.other.get_or_insert(start);

@@ -4,9 +4,7 @@
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId, Test};
 use crate::verify::{Purpose, Report, check};
 use longstep_model::domain::{self, Files};
-use longstep_model::environment;
-use longstep_model::json::Path;
-use longstep_model::model::{Domain, EntityId, Environment, Fact, World};
+use longstep_model::model::{Domain, EntityId, Fact, World};
 use longstep_model::testing;
 
 const PDDL: &str = "

@@ -2,7 +2,6 @@
 
 use super::super::*;
 use crate::plan::{TaskCohesion, resolve};
-use longstep_model::json::Path;
 use longstep_model::model::Environment;
 use longstep_model::testing;
 
@@ -113,7 +112,7 @@ fn binding_takes_unstated_places_from_the_claim() {
         };
         let resolved = resolve(&world, &written);
         let purpose = Purpose {
-            claim: Some(environment::Claim::read(&world, &environment)),
+            claim: Some(Claim::read(&world, world.environment())),
             ..Purpose::default()
         };
         let (plan, _) = bind(
@@ -152,7 +151,7 @@ fn binding_does_not_take_a_hand_for_a_place() {
         ..TaskCohesion::default()
     };
     let purpose = Purpose {
-        claim: Some(Claim::read(&world, &environment)),
+        claim: Some(Claim::read(&world, world.environment())),
         ..Purpose::default()
     };
     let resolved = resolve(&world, &written);

@@ -363,7 +363,10 @@ fn cost_counts_every_iteration_and_the_dearest_branch() {
         (vec![Part::Repeat(7, vec![Part::Repeat(3, blink())])], Some("105")),
         (vec![Part::Repeat(3, all(&["press left 1"]))], Some("6")),
         (detour, Some("7")),
-        (vec![Part::While(Guard::Feel(2), [blink(), all(&["wait 2"])].concat())], None),
+        (
+            vec![Part::While(Guard::Feel(2), [blink(), all(&["wait 2"])].concat())],
+            None,
+        ),
     ] {
         let cost = report(&world, &parts).cost().map(|cost| cost.to_string());
         assert_eq!(cost.as_deref(), expected, "{parts:?}");

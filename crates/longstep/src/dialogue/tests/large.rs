@@ -6,11 +6,9 @@ use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, EstimatedTokens, Reply, TokenCounter, direct_request, focus,
 };
 use crate::domain::{Domain, shipped};
-use crate::environment::{self, Claim, Environment, Words, World};
+use crate::environment::{self, Claim, Words, World};
 use crate::goal;
-use crate::json::Path;
 use crate::plan::{read, resolve};
-use crate::search::{Limits, Outcome, solve};
 use crate::understanding::{Understanding, UnderstandingInput};
 use crate::verify::{Purpose, bind, check as verify};
 use longstep_core::testing;

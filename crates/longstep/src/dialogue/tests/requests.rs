@@ -7,8 +7,7 @@ use crate::dialogue::{
     direct_schema,
 };
 use crate::domain::{Domain, shipped};
-use crate::environment::{self, Environment, World};
-use crate::json::Path;
+use crate::environment::World;
 use longstep_core::testing;
 
 fn attic(domain: &Domain, trunks: usize) -> World {

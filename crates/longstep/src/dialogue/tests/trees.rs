@@ -5,8 +5,7 @@ use serde_json::{Value, json};
 use super::requests::check_strict;
 use crate::dialogue::{EstimatedTokens, Role, broken_parts, direct_request, direct_schema, fixed_parts};
 use crate::domain::{Domain, load, shipped, shipped_files};
-use crate::environment::{self, Environment, World};
-use crate::json::Path;
+use crate::environment::World;
 use crate::plan::{self, Node};
 use longstep_core::testing;
 

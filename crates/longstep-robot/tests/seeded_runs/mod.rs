@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 
 use longstep_core::environment::{Moment, State, Words, World, holds};
 use longstep_core::execution::{
-    Aim, Approval, Effect, Event, Execution, Need, StepOrder as Wanted, Proposal, Settings, Stop, Unseen,
+    Aim, Approval, Effect, Event, Execution, Need, Proposal, Settings, StepOrder as Wanted, Stop, Unseen,
 };
 use longstep_core::json::Path as JsonPath;
 use longstep_core::search::{Limits, Outcome, solve};
+use longstep_core::skill::Skills;
 use longstep_core::verify::{Purpose, VerifiedPlan, check};
 use longstep_core::{domain, environment, goal, schedule};
 use longstep_robot::{
@@ -141,7 +142,9 @@ pub struct Run {
 /// Runs a case with this number of mishaps.
 pub fn monitored(case: &Case, seed: u64, faults: u32) -> Run {
     let mut sim = sim(case, seed, faults, "");
-    let settings = Settings::default().with_approval(Approval::Changes).with_reports(reports(&sim, &case.world).unwrap());
+    let settings = Settings::default()
+        .with_approval(Approval::Changes)
+        .with_reports(reports(&sim, &case.world).unwrap());
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
     let mut watcher = Approving::default();
     let request = StopRequest::of(&sim);
@@ -161,17 +164,8 @@ pub fn plain(case: &Case, seed: u64, faults: u32) -> bool {
     let mut number = 0;
     while let Ok(Some(step)) = cursor.next(seen) {
         number += 1;
-        let own = cursor.step(step);
-        let wanted = Wanted {
-            number,
-            step,
-            lane: None,
-            action: own.action,
-            arguments: own.arguments.clone(),
-            explanation: String::new(),
-            outcomes: cursor.outcomes(step),
-            skills: serde_json::Map::new(),
-        };
+        let mut wanted = Wanted::of_step(&case.plan, step, &Skills::default());
+        wanted.number = number;
         let handle = sim.start(&order_of(&case.world, &wanted)).unwrap();
         let end = loop {
             match sim.poll(handle).unwrap() {
@@ -341,7 +335,9 @@ pub fn in_lanes(case: &Case, seed: u64, faults: u32) -> LaneRun {
 /// Returns the time that the execution itself takes for each step of a run without mishaps.
 pub fn costs(case: &Case) -> Vec<Duration> {
     let mut sim = sim(case, 0, 0, "");
-    let settings = Settings::default().with_approval(Approval::Never).with_reports(reports(&sim, &case.world).unwrap());
+    let settings = Settings::default()
+        .with_approval(Approval::Never)
+        .with_reports(reports(&sim, &case.world).unwrap());
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
     let (mut costs, mut spent) = (Vec::new(), Duration::ZERO);
     loop {
@@ -366,7 +362,7 @@ pub fn costs(case: &Case) -> Vec<Duration> {
                 spent = begun.elapsed();
             }
             Need::Observe => {
-                let seen = sim.observe(&Scope::All).unwrap().into();
+                let seen = sim.observe(&Scope::All).unwrap();
                 let begun = Instant::now();
                 execution.observed(&seen).unwrap();
                 spent += begun.elapsed();

@@ -1,24 +1,28 @@
-//! Descriptions in words with a real model, and the environments that come of them. `LONGSTEP_MODEL` is a model reference,
-//! by default the catalogue's default model, `LONGSTEP_THREADS` its threads (1).
+//! Counts the descriptions from which a model makes the whole environment (docs/guide/seeing.md has the figures).
 //!
-//! ```text
-//! cargo test --release -p longstep-llm --features embedded --test seeing -- --ignored --nocapture development
-//! ```
-
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
-
-mod opened;
+//!     cargo run --release --manifest-path lab/programs/Cargo.toml --features embedded --bin descriptions -- development
+//!
+//! The argument names a file of `lab/programs/data/descriptions`: `descriptions` and `development` are for development, `held` is held-out.
+//! [`open_model`] names the settings.
+#![allow(clippy::print_stdout)]
 
 use std::collections::BTreeMap;
+use std::error::Error;
 
 use longstep::Planner;
 use longstep::perception::{SightDialogue, SightInput, Sighting, View};
+use longstep_lab::{mark, open_model};
 use longstep_llm::{Progress, converse};
 use serde::Deserialize;
 
-const DESCRIPTIONS: &str = include_str!("seeing/descriptions.toml");
-const DEVELOPMENT: &str = include_str!("seeing/development.toml");
-const HELD: &str = include_str!("seeing/held.toml");
+const FILES: [(&str, &str); 3] = [
+    (
+        "descriptions",
+        include_str!("../../data/descriptions/descriptions.toml"),
+    ),
+    ("development", include_str!("../../data/descriptions/development.toml")),
+    ("held", include_str!("../../data/descriptions/held.toml")),
+];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -110,7 +114,7 @@ impl Description {
             self.assets
                 .iter()
                 .chain(&self.objects)
-                .any(|own| self.name(own.split(':').next().unwrap()) == *name)
+                .any(|own| self.name(own.split(':').next().unwrap_or_default()) == *name)
         };
         entities.retain(|(_, name, states)| !(states.is_empty() && self.either.contains(name) && !known(name)));
         entities.sort();
@@ -140,11 +144,14 @@ fn mirror(entities: &mut [Entity]) {
     }
 }
 
-fn measure(text: &str) {
-    let file: File = toml::from_str(text).unwrap();
-    let planner = Planner::shipped("household").unwrap();
+fn main() -> Result<(), Box<dyn Error>> {
+    let name = std::env::args().nth(1).unwrap_or_default();
+    let file = FILES.iter().find(|(own, _)| *own == name);
+    let (_, text) = file.ok_or("usage: descriptions development|descriptions|held")?;
+    let file: File = toml::from_str(text)?;
+    let planner = Planner::shipped("household")?;
     let domain = planner.domain();
-    let mut model = opened::model();
+    let mut model = open_model()?;
     let (mut right, mut contradictory) = (0, 0);
     for description in &file.description {
         let input = SightInput {
@@ -153,84 +160,65 @@ fn measure(text: &str) {
             pictures: &[],
             kind: model.constraint_kind(),
         };
-        let sighting = converse(&mut *model, &mut SightDialogue::new(&input), &mut |_: Progress| {});
-        let sighting: Sighting = sighting.unwrap_or_else(|error| panic!("{error}"));
+        let sighting: Sighting = converse(&mut *model, &mut SightDialogue::new(&input), &mut |_: Progress| {})?;
         let view = View::of(domain, &sighting);
         let (found, expected) = (description.found(&view), description.expected());
         let is_right = found == expected;
         right += usize::from(is_right);
         contradictory += usize::from(view.world.is_err());
-        println!(
-            "{:5} {} {}",
-            if is_right { "right" } else { "wrong" },
-            description.language,
-            description.text
-        );
+        println!("{} {} {}", mark(is_right), description.language, description.text);
         if !is_right {
-            println!(
-                "      found    {found:?}\n      expected {expected:?}\n      shown    {}",
-                view.sentences(domain).join("; ")
-            );
+            let sentences = view.sentences(domain).join("; ");
+            println!("      found    {found:?}\n      expected {expected:?}\n      shown    {sentences}");
         }
         if let Err(findings) = &view.world {
             println!("      contradictory, which is shown: {findings}");
         }
     }
-    println!(
-        "{right} of {} right, {contradictory} shown as contradictory",
-        file.description.len()
-    );
+    let count = file.description.len();
+    println!("{right} of {count} right, {contradictory} shown as contradictory");
+    Ok(())
 }
 
-#[test]
-#[ignore = "needs a model"]
-fn development() {
-    measure(DEVELOPMENT);
-}
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
 
-#[test]
-#[ignore = "needs a model"]
-fn descriptions() {
-    measure(DESCRIPTIONS);
-}
+    use super::*;
 
-#[test]
-#[ignore = "needs a model"]
-fn held() {
-    measure(HELD);
-}
-
-/// The expected environments are environments of the domain.
-#[test]
-fn every_expectation_is_an_environment_of_the_domain() {
-    let planner = Planner::shipped("household").unwrap();
-    for text in [DESCRIPTIONS, DEVELOPMENT, HELD] {
-        let file: File = toml::from_str(text).unwrap();
-        for description in &file.description {
-            let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-            let mut written = serde_json::json!({"assets": [], "objects": [], "asset_states": {}, "object_states": {}});
-            for (list, states, entries) in [
-                ("assets", "asset_states", &description.assets),
-                ("objects", "object_states", &description.objects),
-            ] {
-                for entry in entries {
-                    let (name, own) = entry.split_once(": ").unwrap_or((entry, ""));
-                    let count = counts.entry(name.to_owned()).or_default();
-                    *count += 1;
-                    let name = if *count == 1 {
-                        name.to_owned()
-                    } else {
-                        format!("{name}_{count}")
-                    };
-                    written[list].as_array_mut().unwrap().push(name.clone().into());
-                    let own: Vec<&str> = own.split_whitespace().collect();
-                    written[states][name] = own.into();
+    /// The expected environments are environments of the domain.
+    #[test]
+    fn every_expectation_is_an_environment_of_the_domain() {
+        let planner = Planner::shipped("household").unwrap();
+        for (_, text) in FILES {
+            let file: File = toml::from_str(text).unwrap();
+            for description in &file.description {
+                let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+                let mut written =
+                    serde_json::json!({"assets": [], "objects": [], "asset_states": {}, "object_states": {}});
+                for (list, states, entries) in [
+                    ("assets", "asset_states", &description.assets),
+                    ("objects", "object_states", &description.objects),
+                ] {
+                    for entry in entries {
+                        let (name, own) = entry.split_once(": ").unwrap_or((entry, ""));
+                        let count = counts.entry(name.to_owned()).or_default();
+                        *count += 1;
+                        let name = if *count == 1 {
+                            name.to_owned()
+                        } else {
+                            format!("{name}_{count}")
+                        };
+                        written[list].as_array_mut().unwrap().push(name.clone().into());
+                        let own: Vec<&str> = own.split_whitespace().collect();
+                        written[states][name] = own.into();
+                    }
                 }
+                planner
+                    .world(&written.to_string())
+                    .unwrap_or_else(|error| panic!("{}: {error}", description.text));
             }
-            planner
-                .world(&written.to_string())
-                .unwrap_or_else(|error| panic!("{}: {error}", description.text));
+            assert!(file.description.len() >= 10);
         }
-        assert!(file.description.len() >= 10);
     }
 }

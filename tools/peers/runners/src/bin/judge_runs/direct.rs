@@ -1,8 +1,7 @@
 //! A run without a driver: each need is a question, and every call of the interface of an execution is an answer, wrong ones
 //! included.
 
-
-use longstep_core::execution::{Execution, ExecutionError, Need, StepOrder, ProposalId, Stop};
+use longstep_core::execution::{Execution, ExecutionError, Need, ProposalId, StepOrder, Stop};
 use longstep_robot::{Observation, StopRequest, order_of};
 use serde_json::{Value, json};
 

@@ -15,9 +15,9 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use longstep::instruction;
 use longstep::domain::{self, Domain, Files};
 use longstep::goal::{self, Goal, GoalFact};
+use longstep::instruction;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json;
 use longstep_core::pddl::{self, Problem};
@@ -260,7 +260,7 @@ fn check_order(scenes: &[Scene], line: &str) -> Anyhow<()> {
 
 /// Every domain of the repository with every example environment that is one of its worlds.
 fn scenes() -> Anyhow<Vec<Scene>> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
     let mut domains = Vec::new();
     for name in domain::shipped_names() {
         domains.push((name.to_owned(), domain_files(name)?));

@@ -1,8 +1,8 @@
 //! A large world: 200 actions and 5,000 entities, all made up. Prints how long things take and how much memory
 //! they took at most.
 //!
-//! `cargo run --release -p longstep --example scale -- [ENTITIES]`
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, missing_docs)]
+//! `cargo run --release --manifest-path lab/programs/Cargo.toml --bin scale -- [ENTITIES]`
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use std::fmt::Write as _;
 use std::time::Instant;

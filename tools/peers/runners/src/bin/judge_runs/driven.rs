@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use longstep_core::execution::{Event, Execution, StepOrder as Wanted, Proposal, Subject, Unseen};
+use longstep_core::execution::{Event, Execution, Proposal, StepOrder as Wanted, Subject, Unseen};
 use longstep_robot::{
     Description, Handle, Observation, Order, Progress, Robot, RobotError, Scope, StopRequest, StopSwitch, Watcher,
 };
