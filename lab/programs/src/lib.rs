@@ -19,7 +19,9 @@ pub fn open_model() -> Result<Box<dyn ChatModel>, Box<dyn Error>> {
         AdapterChoice::Files(std::env::split_paths(&files).collect())
     });
     let threads = threads.map_or(Ok(1), |threads| threads.parse())?;
-    let options = OpenOptions::new(cache_directory()?).with_adapters(adapters).with_threads(Some(threads));
+    let options = OpenOptions::new(cache_directory()?)
+        .with_adapters(adapters)
+        .with_threads(Some(threads));
     Ok(open(&reference, &options, &mut |_: Progress| {})?)
 }
 

@@ -193,7 +193,7 @@ fn written_plan(world: &World, calls: &Value, object: Option<&str>) -> Anyhow<Pl
         ..TaskCohesion::default()
     };
     let resolved = resolve(world, &cohesion);
-    let steps = resolved.complete().ok_or("a call of a plan has no action")?;
+    let steps = resolved.complete().map_err(|violations| format!("{violations:?}"))?;
     let (plan, _) = bind(world, &steps, &resolved.objects, None).map_err(|error| format!("{error:?}"))?;
     Ok(plan)
 }

@@ -4,7 +4,7 @@
 //! that expects a question because nothing is to be done (a prohibition alone); `first: ANSWER` and `remark: WORDS` for an earlier
 //! answer and the next message.
 
-use longstep::dialogue::ConstraintKind;
+use longstep::dialogue::{ConstraintKind, Dialogue};
 use longstep::domain::Domain;
 use longstep::understanding::{Examples, Understanding, UnderstandingInput};
 use longstep_core::goal;
