@@ -166,7 +166,7 @@ class Qwen2(torch.nn.Module):
             if name not in tensors:
                 return None
             dequantized = gguf.quants.dequantize(tensors[name].data, tensors[name].tensor_type)
-            return torch.from_numpy(numpy.ascontiguousarray(dequantized)).to(dtype).to(device)
+            return torch.tensor(dequantized).to(dtype).to(device)
 
         def weight(name: str) -> Tensor:
             found = optional_weight(name)

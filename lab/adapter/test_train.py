@@ -26,6 +26,9 @@ from qwen2 import (
 )
 from sequences import Case, PackedSequence, concatenate, draw_examples, group_cases, pack_cases, shuffle_lists
 
+# Threads only get into each other's way in a model of this size.
+torch.set_num_threads(1)
+
 HIDDEN, FFN, HEADS, KV_HEADS, BLOCKS, RANK = 64, 96, 4, 2, 2, 4
 HEAD_DIM = HIDDEN // HEADS
 ROPE_THETA = 10_000.0
@@ -169,7 +172,7 @@ class Layers(unittest.TestCase):
 class Model(WithModel):
     def test_the_gradient_of_the_loss_is_a_finite_difference(self) -> None:
         """Along a random direction of each parameter of the whole model."""
-        model, sequence, step = self.model(), self.pack(CASES), 1e-2
+        model, sequence, step = self.model(), self.pack(CASES[:3]), 1e-2
         train.forward_loss(model, sequence)[1].backward()  # type: ignore[no-untyped-call]
         for name, parameter in model.named_parameters():
             assert parameter.grad is not None
@@ -268,7 +271,7 @@ class Files(WithModel):
             read = other.lora_layers()[name]
             torch.testing.assert_close(read.lora_b, layer.lora_b.half().float(), atol=0, rtol=0)
             # 8 bits of the greatest value of a block.
-            self.assertLessEqual(float((read.lora_a - layer.lora_a).abs().max()), float(layer.lora_a.abs().max()) / 127)
+            self.assertLessEqual(float((read.lora_a - layer.lora_a).detach().abs().max()), float(layer.lora_a.detach().abs().max()) / 127)
 
     def test_an_adapter_has_what_llama_cpp_reads(self) -> None:
         path = self.folder / "adapter.gguf"
@@ -300,21 +303,19 @@ class Training(WithModel):
         return adapter.read_bytes(), log.getvalue()
 
     def test_a_seed_decides_every_byte(self) -> None:
-        first, _ = self.train("first.gguf", "--epochs", "2", "--seed", "3")
-        again, _ = self.train("again.gguf", "--epochs", "2", "--seed", "3")
-        other, _ = self.train("other.gguf", "--epochs", "2", "--seed", "4")
+        first, _ = self.train("first.gguf", "--epochs", "2", "--scenes", "2", "--seed", "3")
+        again, _ = self.train("again.gguf", "--epochs", "2", "--scenes", "2", "--seed", "3")
+        other, _ = self.train("other.gguf", "--epochs", "2", "--scenes", "2", "--seed", "4")
         self.assertEqual(first, again)
         self.assertNotEqual(first, other)
 
-    def test_training_learns_the_answers(self) -> None:
-        _, log = self.train("learned.gguf", "--epochs", "60", "--rate", "0.01", "--scenes", "2")
-        self.assertIn("tiny: 4 of 4", log)
-        self.assertIn("4 of 4 word for word, 0 needless questions, 0 missing questions", log)
-
-    def test_training_continues_from_an_adapter(self) -> None:
-        self.train("start.gguf", "--epochs", "60", "--rate", "0.01")
+    def test_training_learns_the_answers_and_continues_from_an_adapter(self) -> None:
+        self.train("start.gguf", "--epochs", "50", "--rate", "0.01")
         _, log = self.train("continued.gguf", "--start", str(self.folder / "start.gguf"), "--minutes", "0.0000001")
         self.assertIn("tiny: 4 of 4", log)
+        self.assertIn("4 of 4 word for word, 0 needless questions, 0 missing questions", log)
+        _, log = self.train("untrained.gguf", "--minutes", "0.0000001")
+        self.assertIn("tiny: 0 of 4", log)
 
     def test_the_learning_rate_rises_and_falls(self) -> None:
         rates = [train.learning_rate(1.0, step, step / 100) for step in range(101)]

@@ -270,9 +270,9 @@ mod tests {
 
     use super::*;
 
-    /// A case whose own answer cannot be read would count nothing.
+    /// A case none of whose answers can be read would count nothing.
     #[test]
-    fn every_right_answer_can_be_read() {
+    fn every_case_has_a_right_answer() {
         let languages: Value = serde_json::from_str(LANGUAGES).unwrap();
         let mut files = vec![
             read_cases(DEVELOPMENT, None).unwrap(),
@@ -286,10 +286,12 @@ mod tests {
                 goal::parse(&case.world, case.next_goal.as_deref().unwrap()).unwrap();
                 continue;
             }
-            for answer in &case.right {
-                let wishes = feedback::parse(&case.world, answer, case.plan.steps().len());
-                assert!(wishes.is_ok(), "{answer}: {}", case.remark);
-            }
+            let steps = case.plan.steps().len();
+            let mut read = case
+                .right
+                .iter()
+                .map(|answer| feedback::parse(&case.world, answer, steps));
+            assert!(read.any(|wishes| wishes.is_ok()), "{:?}: {}", case.right, case.remark);
             let outcomes = ["done", "impossible"];
             assert!(
                 case.outcome.as_deref().is_none_or(|own| outcomes.contains(&own)),
