@@ -26,7 +26,7 @@ pub(crate) use strategy::StrategyArguments;
 pub(crate) use teach::TeachArguments;
 pub(crate) use world::{DraftArguments, WorldArguments, domain_or_default, required};
 
-/// Turns instructions in plain English into verified robot action plans.
+/// Turns instructions in plain words into verified robot action plans.
 #[derive(Debug, Parser)]
 #[command(name = "longstep", version, arg_required_else_help = true, max_term_width = 80)]
 #[command(
@@ -132,7 +132,7 @@ pub(crate) enum SessionCommand {
 
 #[derive(Debug, Args)]
 pub(crate) struct PlanArguments {
-    /// Instruction, in plain English
+    /// Instruction, in plain words
     pub(crate) instruction: String,
     #[command(flatten)]
     pub(crate) world: WorldArguments,
@@ -161,7 +161,7 @@ pub(crate) struct PlanArguments {
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("wish").required(true).multiple(true).args(["instruction", "script"])))]
 pub(crate) struct ComposeArguments {
-    /// Instruction, in plain English
+    /// Instruction, in plain words
     pub(crate) instruction: Option<String>,
     /// Composition script, with the plans' names as calls; no model is used
     #[arg(long, value_name = "COMPOSITION.py")]

@@ -94,7 +94,7 @@ pub fn reports(robot: &dyn Robot, world: &World) -> Result<Vec<PredicateId>, Rob
 /// ```
 /// use longstep_core::execution::{Aim, Approval, Event, Execution, StepOrder, Proposal, Settings, Unseen};
 /// use longstep_core::{domain, environment, plan, verify::check_file};
-/// use longstep_robot::{Sim, SimOptions, StopRequest, Watcher, drive};
+/// use longstep_robot::{Sim, SimOptions, StopRequest, Watcher, drive, reports};
 ///
 /// /// Keeps events in memory, and answers no question.
 /// struct Alone(Vec<Event>);
@@ -112,12 +112,12 @@ pub fn reports(robot: &dyn Robot, world: &World) -> Result<Vec<PredicateId>, Rob
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
-/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
 /// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
 ///
-/// let settings = Settings::default().with_approval(Approval::Never);
+/// let mut sim = Sim::new(world.clone(), &SimOptions::default())?;
+/// let settings = Settings::default().with_approval(Approval::Never).with_reports(reports(&sim, &world)?);
 /// let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();
-/// let mut sim = Sim::new(world, &SimOptions::default())?;
 /// let (mut watcher, request) = (Alone(Vec::new()), StopRequest::of(&sim));
 /// assert_eq!(drive(&mut execution, &mut sim, &mut watcher, &request), None);
 /// assert!(matches!(watcher.0.last(), Some(Event::Done { .. })));

@@ -79,8 +79,7 @@ impl Planner {
     /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
     /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
     /// assert!(planner.solve(&world, "put(pen, shelf)").is_ok());
-    /// # let mut limits = Limits::default();
-    /// # (limits.direct, limits.proof, limits.shortest, limits.any) = (1, 1, 1, 1);
+    /// # let limits = Limits::default().with_direct(1).with_proof(1).with_shortest(1).with_any(1);
     /// # let error = planner.with_limits(limits).solve(&world, "put(pen, shelf)").unwrap_err();
     /// # assert_eq!(error.kind(), ErrorKind::GaveUp);
     /// # Ok::<(), longstep::Error>(())
@@ -110,7 +109,7 @@ impl Planner {
     /// let world = planner.world(r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#)?;
     /// assert!(world.find("<pen>").is_some());
     /// let error = planner.world(r#"{"assets": ["<desk>"], "object_states": {"<pen>": "closed()"}}"#).unwrap_err();
-    /// assert_eq!((error.kind(), error.diagnostics().unwrap().iter().count()), (ErrorKind::Environment, 1));
+    /// assert_eq!((error.kind(), error.diagnostics().unwrap().0.len()), (ErrorKind::Environment, 1));
     /// # Ok::<(), longstep::Error>(())
     /// ```
     ///
@@ -144,7 +143,7 @@ impl Planner {
     /// let planner = longstep::Planner::shipped("household")?;
     /// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"]}"#)?;
     /// let goal = planner.goal(&world, "put(pen, shelf)")?;
-    /// assert_eq!(goal.sentences(&world), ["the pen is on the shelf"]);
+    /// assert_eq!(goal.sentences(&world), ["the pen is at the shelf"]);
     /// # Ok::<(), longstep::Error>(())
     /// ```
     ///
@@ -234,10 +233,10 @@ impl Planner {
     /// let planner = Planner::shipped("household")?;
     /// let world = planner.world(r#"{"assets": ["<desk>"], "objects": ["<pen>"],
     ///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
-    /// let plan = planner.verify(&world, r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#)?;
-    /// assert_eq!(plan.steps().len(), 2);
+    /// let plan = planner.verify(&world, r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#)?;
+    /// assert_eq!(plan.steps().len(), 3);
     /// let error = planner.verify(&world, r#"{"task_sequence": ["grasp_object()"], "object_name": "<pen>"}"#).unwrap_err();
-    /// assert_eq!((error.kind(), error.answer().unwrap().violations.len()), (ErrorKind::Invalid, 1));
+    /// assert_eq!((error.kind(), error.answer().unwrap().violations.len()), (ErrorKind::Invalid, 2));
     /// # Ok::<(), longstep::Error>(())
     /// ```
     ///

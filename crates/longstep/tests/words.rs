@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folders of the code that understands instructions, and what people say about plans.
-const UNDERSTANDING: [&str; 6] = ["goal", "dialogue", "session", "coverage", "feedback", "compose"];
+const UNDERSTANDING: [&str; 6] = ["instruction", "dialogue", "session", "coverage", "feedback", "compose"];
 
 /// Words of which a list that reads English would consist: what people use to point, deny, order, condition and move.
 const WORDS: &str = "a an the this that these those some any another either all both each every my your our it its them they one ones

@@ -11,7 +11,7 @@ use super::strategy::StrategyArguments;
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("run").required(true).args(["what", "resume", "list"])))]
 pub(crate) struct RunArguments {
-    /// Plan file, or an instruction in plain English (needs --env)
+    /// Plan file, or an instruction in plain words (needs --env)
     #[arg(value_name = "PLAN.json|INSTRUCTION")]
     pub(crate) what: Option<String>,
     /// List the runs that were kept, with their names

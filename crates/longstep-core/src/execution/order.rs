@@ -146,12 +146,14 @@ impl Execution {
     /// ```
     /// # use longstep_core::environment::{self, Observation};
     /// # use longstep_core::execution::{Aim, Approval, Execution, ExecutionError, Need, Resumed, Settings, Stop};
-    /// # use longstep_core::{domain, plan, verify::check_file};
+    /// # use longstep_core::{domain, goal, search, verify};
     /// # let household = domain::shipped("household").unwrap().unwrap();
-    /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// # let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// # let world = environment::parse(&household, "env.json", text).unwrap();
-    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
-    /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+    /// # let purpose = goal::parse(&world, "put(pen, shelf)").unwrap().purpose(&world);
+    /// # let outcome = search::solve(&world, &purpose, &search::Limits::default());
+    /// # let search::Outcome::Solved { plan, .. } = outcome else { panic!() };
+    /// # let plan = verify::check(&world, plan, &purpose).into_verified().unwrap();
     /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
     /// let settings = Settings::default().with_approval(Approval::Never);
     /// let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();

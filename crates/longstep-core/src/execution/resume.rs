@@ -96,7 +96,7 @@ impl Execution {
     /// # let household = domain::shipped("household").unwrap().unwrap();
     /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// # let world = environment::parse(&household, "env.json", text).unwrap();
-    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
     /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
     /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
     /// let settings = Settings::default().with_approval(Approval::Never);
@@ -154,7 +154,7 @@ impl Execution {
     /// # let household = domain::shipped("household").unwrap().unwrap();
     /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// # let world = environment::parse(&household, "env.json", text).unwrap();
-    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
     /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
     /// # let seen: Observation = serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#).unwrap();
     /// let settings = Settings::default().with_approval(Approval::Never);

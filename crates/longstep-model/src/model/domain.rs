@@ -471,9 +471,16 @@ pub struct EnvironmentTypes {
 /// A robot's domain. Create one with [`load`](crate::domain::load), [`shipped`](crate::domain::shipped) or
 /// [`from_pddl`](crate::domain::from_pddl).
 ///
-/// A handle on [`DomainData`], which is read through it: clones share the data, and each world holds one.
-#[derive(Debug, Clone)]
+/// A handle on [`DomainData`], which is read through it: clones share the data, and each world holds one. `Debug` shows the name
+/// and the hash.
+#[derive(Clone)]
 pub struct Domain(Arc<DomainData>);
+
+impl std::fmt::Debug for Domain {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "Domain({} {})", self.name, self.hash)
+    }
+}
 
 impl Deref for Domain {
     type Target = DomainData;

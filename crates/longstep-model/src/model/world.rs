@@ -44,7 +44,9 @@ pub enum AssumptionSource {
 }
 
 /// A world: its entities and the state in which an instruction is given.
-#[derive(Debug, Clone)]
+///
+/// `Debug` shows the sizes, because a report has its world: the content is in [`World::environment`].
+#[derive(Clone)]
 pub struct World {
     domain: Domain,
     // Shared with successor worlds: a session holds one world per instruction.
@@ -63,6 +65,16 @@ pub struct World {
     prohibitions: Arc<[Prohibition]>,
     /// The steps that they forbid.
     forbidden: Arc<ForbiddenSteps>,
+}
+
+impl std::fmt::Debug for World {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut world = formatter.debug_struct("World");
+        world.field("domain", &self.domain);
+        world.field("entities", &self.entities.len());
+        world.field("facts", &self.state.iter().count());
+        world.finish_non_exhaustive()
+    }
 }
 
 impl World {

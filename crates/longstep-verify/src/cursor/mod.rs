@@ -31,7 +31,7 @@ use longstep_model::model::{Fact, State, World, apply, ground};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
-/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
 /// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
 ///
 /// let mut cursor = plan.cursor();
@@ -78,7 +78,7 @@ struct Position {
 /// let text = r#"{"assets": ["<desk>"], "objects": ["<milk>"], "object_states": {"<milk>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&checks, "env.json", text).unwrap();
 /// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "detach_from_plane()",
-///     "check_best_by_date()"], "object_name": "<milk>"}"#).unwrap();
+///     "check_best_by_date()", "move_object()", "attach_to_plane()", "release_object()"], "object_name": "<milk>"}"#).unwrap();
 /// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
 /// let mut cursor = plan.cursor();
 /// let step = (0..4).map_while(|_| cursor.next(None).unwrap()).last().unwrap();
@@ -195,10 +195,10 @@ impl Cursor {
     /// # let household = domain::shipped("household").unwrap().unwrap();
     /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// # let world = environment::parse(&household, "env.json", text).unwrap();
-    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
     /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
     /// let mut cursor = plan.cursor();
-    /// for _ in 0..2 {
+    /// for _ in 0..3 {
     ///     let step = cursor.ready()[0];
     ///     cursor.complete(step, None)?;
     ///     assert!(cursor.complete(step, None).is_err());
@@ -249,7 +249,7 @@ impl Cursor {
     /// # let household = domain::shipped("household").unwrap().unwrap();
     /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// # let world = environment::parse(&household, "env.json", text).unwrap();
-    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
     /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
     /// let mut cursor = plan.cursor();
     /// let mut seen = cursor.state().clone();

@@ -26,13 +26,13 @@ impl Cursor {
     /// # let household = domain::shipped("household").unwrap().unwrap();
     /// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// # let world = environment::parse(&household, "env.json", text).unwrap();
-    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+    /// # let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
     /// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
     /// let mut cursor = plan.cursor();
     /// let first = cursor.ready()[0];
     /// cursor.complete(first, None)?;
     /// let rest = cursor.rest().unwrap();
-    /// assert_eq!((rest.plan.steps().len(), rest.steps[0].index()), (1, 1));
+    /// assert_eq!((rest.plan.steps().len(), rest.steps[0].index()), (2, 1));
     /// # Ok::<(), longstep_verify::cursor::CursorError>(())
     /// ```
     pub fn rest(&self) -> Option<Rest> {

@@ -140,11 +140,11 @@ pub struct Report {
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
-/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
 /// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
-/// assert_eq!((plan.steps().len(), plan.endings().len()), (2, 1));
+/// assert_eq!((plan.steps().len(), plan.endings().len()), (3, 1));
 /// let after = world.after(plan.ending());
-/// assert_eq!(after.environment().object_states["<pen>"].as_slice(), ["on_something(<desk>)", "inside_hand()"]);
+/// assert_eq!(after.environment().object_states["<pen>"].as_slice(), ["on_something(<desk>)"]);
 /// ```
 #[derive(Debug, Clone)]
 pub struct VerifiedPlan {
