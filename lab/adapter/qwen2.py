@@ -88,7 +88,7 @@ class LoraLinear(torch.nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         """x [T, in] -> [T, out]."""
-        y: Tensor = LoraFunction.apply(x, self.weight, self.bias, self.lora_a, self.lora_b, self.scale)  # type: ignore[no-untyped-call]
+        y: Tensor = LoraFunction.apply(x, self.weight, self.bias, self.lora_a, self.lora_b, self.scale)
         return y
 
 

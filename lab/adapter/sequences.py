@@ -28,14 +28,14 @@ class Case(TypedDict):
 
     suite: str
     # The fixed messages of the request, as pairs of role and text: the system prompt, then worked examples.
-    fixed: list[list[str]]
+    fixed: list[tuple[str, str]]
     # The last message up to the instruction.
     lead: str
     # The plan that the instruction is about, for cases that change plans.
     plan: NotRequired[str]
     instruction: str
     # Earlier answers with the next message.
-    rounds: NotRequired[list[list[str]]]
+    rounds: NotRequired[list[tuple[str, str]]]
     # None for a question.
     answer: str | None
 
@@ -184,7 +184,7 @@ def concatenate(sequences: Sequence[PackedSequence]) -> PackedSequence:
     return PackedSequence(
         torch.cat([sequence.input_ids for sequence in sequences]),
         torch.cat([sequence.position_ids for sequence in sequences]),
-        torch.block_diag(*(sequence.attention_mask for sequence in sequences)).bool(),
+        torch.block_diag(*(sequence.attention_mask for sequence in sequences)).bool(),  # type: ignore[no-untyped-call]
         torch.cat([sequence.target_positions + offset for sequence, offset in zip(sequences, offsets)]),
         torch.cat([sequence.targets for sequence in sequences]),
         [],

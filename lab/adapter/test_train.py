@@ -4,6 +4,7 @@
 `all.sh` runs them before it trains.
 """
 
+import collections
 import contextlib
 import io
 import json
@@ -12,7 +13,7 @@ import random
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import gguf
 import numpy
@@ -22,7 +23,8 @@ from torch import Tensor
 
 import train
 from qwen2 import (
-    LINEAR_LAYERS, LoraFunction, LoraLinear, Qwen2, QwenTokenizer, apply_rotary, load_adapter, rms_norm, rotary_cos_sin, save_adapter,
+    LINEAR_LAYERS, Block, LoraFunction, LoraLinear, Qwen2, QwenTokenizer, apply_rotary, load_adapter, rms_norm, rotary_cos_sin,
+    save_adapter,
 )
 from sequences import Case, PackedSequence, concatenate, draw_examples, group_cases, pack_cases, shuffle_lists
 
@@ -79,7 +81,7 @@ def write_model(path: Path, seed: int = 1) -> None:
 
 
 def case(instruction: str, answer: str | None, **others: Any) -> Case:
-    fixed = [["system", "Goals:\n- put(ITEM, PLACE)\n- wiped(ITEM)"], ["user", "Clean up"], ["assistant", "wiped(mug)"]]
+    fixed = [("system", "Goals:\n- put(ITEM, PLACE)\n- wiped(ITEM)"), ("user", "Clean up"), ("assistant", "wiped(mug)")]
     own = {"suite": "tiny", "fixed": fixed, "lead": "Objects:\n- cup\n- mug\nInstruction:", "instruction": instruction, "answer": answer}
     return own | others  # type: ignore[return-value]
 
@@ -87,7 +89,7 @@ def case(instruction: str, answer: str | None, **others: Any) -> Case:
 CASES = [
     case(" Cup to the shelf", "put(cup, shelf)"),
     case(" Wipe it", None),
-    case(" Wipe the quiche", "wiped(quiche)", rounds=[["question: Which one?", " The round one"]]),
+    case(" Wipe the quiche", "wiped(quiche)", rounds=[("question: Which one?", " The round one")]),
     case(" Mug too", "put(mug, shelf)"),
 ]
 PLAN_CASES = [
@@ -136,7 +138,7 @@ class Layers(unittest.TestCase):
         x, lora_a, lora_b = (torch.randn(*shape, dtype=torch.float64, requires_grad=True) for shape in [(3, 6), (2, 6), (5, 2)])
         weight, bias = torch.randn(5, 6, dtype=torch.float64), torch.randn(5, dtype=torch.float64)
         is_right = torch.autograd.gradcheck(
-            lambda x, lora_a, lora_b: LoraFunction.apply(x, weight, bias, lora_a, lora_b, 2.0),  # type: ignore[no-untyped-call]
+            lambda x, lora_a, lora_b: LoraFunction.apply(x, weight, bias, lora_a, lora_b, 2.0),
             (x, lora_a, lora_b), eps=1e-4, atol=1e-5,
         )
         self.assertTrue(is_right)
@@ -176,7 +178,8 @@ class Model(WithModel):
         train.forward_loss(model, sequence)[1].backward()  # type: ignore[no-untyped-call]
         for name, parameter in model.named_parameters():
             assert parameter.grad is not None
-            direction = F.normalize(torch.randn_like(parameter) + parameter.grad / parameter.grad.norm(), dim=None)
+            direction = torch.randn_like(parameter) + parameter.grad / parameter.grad.norm()
+            direction /= direction.norm()
             losses = []
             for side in (step, -step):
                 with torch.no_grad():
@@ -210,6 +213,21 @@ class Model(WithModel):
         torch.testing.assert_close(self.logits(model, sequence._replace(input_ids=changed)), self.logits(model, sequence))
 
 
+    def test_attention_is_its_formula_with_a_key_head_for_each_group(self) -> None:
+        block, x, mask = cast(Block, self.model().blocks[0]), torch.randn(5, HIDDEN), torch.ones(5, 5).tril().bool()
+        rotation = rotary_cos_sin(torch.arange(5), HEAD_DIM, ROPE_THETA, torch.float32)
+        with torch.no_grad():
+            query, key, value = (block.layers[name](x).split(HEAD_DIM, dim=1) for name in ("attn_q", "attn_k", "attn_v"))
+            heads = []
+            for head in range(HEADS):
+                group = head // (HEADS // KV_HEADS)
+                own_query, own_key = apply_rotary(query[head], *rotation), apply_rotary(key[group], *rotation)
+                scores = (own_query @ own_key.t() / math.sqrt(HEAD_DIM)).masked_fill(~mask, -math.inf)
+                heads.append(scores.softmax(-1) @ value[group])
+            expected = block.layers["attn_output"](torch.cat(heads, dim=1))
+            torch.testing.assert_close(block.attention(x, *rotation, mask), expected, atol=1e-4, rtol=1e-4)
+
+
 class Sequences(WithModel):
     def test_the_tokenizer_encodes_bytes_merges_and_messages(self) -> None:
         text = "Wipe the quiche, größer 拭く"
@@ -231,12 +249,22 @@ class Sequences(WithModel):
     def test_a_case_alone_is_the_conversation_of_a_session(self) -> None:
         tokenizer = self.tokenizer
         [system, question, answer] = CASES[2]["fixed"]
-        messages = [system, question, answer, ["user", CASES[2]["lead"] + CASES[2]["instruction"]], ["assistant", "question: Which one?"],
-                    ["user", " The round one"], ["assistant", "wiped(quiche)"]]
+        messages = [system, question, answer, ("user", CASES[2]["lead"] + CASES[2]["instruction"]), ("assistant", "question: Which one?"),
+                    ("user", " The round one"), ("assistant", "wiped(quiche)")]
         sequence = self.pack([CASES[2]])
         conversation = [token for message in messages for token in tokenizer.encode_message(*message)]
         self.assertEqual(sequence.input_ids.tolist(), conversation[:-len(tokenizer.encode("\n"))])
         self.assertEqual(sequence.position_ids.tolist(), list(range(len(sequence.input_ids))))
+
+    def test_a_case_alone_sees_all_that_is_before(self) -> None:
+        for own in (CASES[2], PLAN_CASES[0]):
+            mask = self.pack([own]).attention_mask
+            self.assertTrue(torch.equal(mask, torch.ones_like(mask).tril()))
+
+    def test_an_epoch_has_all_cases_and_its_share_of_those_that_are_seen_once(self) -> None:
+        groups = train.draw_packs(CASES, PLAN_CASES, 1, 3, random.Random(1))
+        counts = collections.Counter(own["instruction"] for group in groups for own in group)
+        self.assertEqual(counts, {**{own["instruction"]: 3 for own in CASES}, **{own["instruction"]: 1 for own in PLAN_CASES}})
 
     def test_groups_have_each_case_once_and_one_scene(self) -> None:
         other = [case(f" {number}", "wiped(cup)", lead="Objects:\n- pan\nInstruction:") for number in range(20)]
@@ -288,6 +316,40 @@ class Files(WithModel):
         self.assertEqual(tensors["blk.0.ffn_down.weight.lora_b"].shape.tolist(), [RANK, HIDDEN])
         self.assertEqual(tensors["blk.0.attn_q.weight.lora_a"].tensor_type, gguf.GGMLQuantizationType.Q8_0)
         self.assertEqual(tensors["blk.0.attn_q.weight.lora_b"].tensor_type, gguf.GGMLQuantizationType.F16)
+
+
+class Update(WithModel):
+    def setUp(self) -> None:
+        options = train.parse_arguments(["data", "model", "adapter"])
+        self.trainer = train.Trainer(self.model(), self.tokenizer, options, random.Random(1))
+        self.weights = [parameter.detach().clone() for parameter in self.trainer.parameters]
+
+    def update(self, gradient: float) -> list[Tensor]:
+        """Accumulates a gradient over ten targets, updates, and returns the gradients that the optimizer saw."""
+        seen: list[Tensor] = []
+        self.trainer.optimizer.register_step_pre_hook(
+            lambda *_: seen.extend(cast(Tensor, own.grad).clone() for own in self.trainer.parameters)
+        )
+        for parameter in self.trainer.parameters:
+            parameter.grad = torch.full_like(parameter, gradient)
+        self.trainer.accumulated_targets, self.trainer.accumulated_cases = 10, 3
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.trainer.update(0)
+        self.assertEqual((self.trainer.accumulated_targets, self.trainer.accumulated_cases), (0, 0))
+        self.assertTrue(all(own.grad is None or not own.grad.any() for own in self.trainer.parameters))
+        return seen
+
+    def test_a_gradient_is_averaged_over_its_targets(self) -> None:
+        for gradient in self.update(1e-3):
+            torch.testing.assert_close(gradient, torch.full_like(gradient, 1e-4))
+
+    def test_a_large_gradient_is_clipped(self) -> None:
+        norm = torch.cat([gradient.flatten() for gradient in self.update(1e6)]).norm()
+        self.assertAlmostEqual(float(norm), 1, delta=1e-3)
+
+    def test_a_gradient_that_is_not_finite_changes_nothing(self) -> None:
+        self.assertEqual(self.update(math.nan), [])
+        self.assertTrue(all(torch.equal(own, old) for own, old in zip(self.trainer.parameters, self.weights)))
 
 
 class Training(WithModel):
