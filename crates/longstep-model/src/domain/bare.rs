@@ -12,7 +12,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 ///
 /// The wording is PDDL's own: a fact is written `(on cup table)`, a step `stack(cup, table)`, and the states of an
 /// entity are all facts with that entity as first argument. There are no goal words and no rules; goals come from a
-/// problem file, read by [`longstep_search::pddl::read_problem`].
+/// problem file, read by `longstep_search::pddl::read_problem`.
 ///
 /// `file` is the name of the text in diagnostics. Inexact PDDL that most planners accept (arguments of a type other
 /// than the declared one, `object` declared as a type) is accepted, while [`super::load`] rejects it.
@@ -38,7 +38,7 @@ pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
 /// # Errors
 ///
 /// All errors in the text of the domain, with their positions. What is wrong in the problem is told by
-/// [`longstep_search::pddl::read_problem`].
+/// `longstep_search::pddl::read_problem`.
 ///
 /// ```
 /// let domain = "(define (domain dock) (:predicates (at ?x))

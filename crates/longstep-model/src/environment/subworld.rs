@@ -14,7 +14,7 @@ impl World {
     ///
     /// Entities keep their identifiers, everyday names ("plate 17" stays 17) and order. The domain's constants and all
     /// values are included. Facts about removed entities are dropped, from the environment too. Ids change; results in the
-    /// restricted world are mapped back by identifier ([`World::find`], [`longstep_search::goal::Goal::carried`]).
+    /// restricted world are mapped back by identifier ([`World::find`], `longstep_search::goal::Goal::carried`).
     ///
     /// ```
     /// use longstep_model::{domain, environment};
