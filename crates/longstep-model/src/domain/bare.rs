@@ -1,6 +1,6 @@
 //! Domains without a wording file, from PDDL written for any planner.
 
-use super::load::content_hash;
+use super::content_hash::content_hash;
 use super::pddl::{self, Dialect, Semantics};
 use super::{
     Action, Atom, Domain, DomainData, EnvironmentTypes, Function, Lexicon, Predicate, PredicateWords, RepairCosts,

@@ -6,9 +6,9 @@ mod sensing;
 mod skills;
 mod values;
 
-use sha2::{Digest, Sha256};
 use toml::Spanned;
 
+use super::content_hash::content_hash;
 use super::pddl::{Dialect, Reader, Scope, Semantics};
 use super::words::{self, DomainFile, TimeEntry, UnknownEntry};
 use super::{
@@ -62,20 +62,6 @@ pub fn load_with_findings(files: &Files) -> (Option<Domain>, Vec<Diagnostic>) {
         loader.domain(parsed, content_hash(&[&files.pddl, &files.words]))
     });
     (domain, findings)
-}
-
-/// Returns the hash of the texts that a domain was loaded from.
-pub(super) fn content_hash(texts: &[&str]) -> String {
-    let mut hash = Sha256::new();
-    for text in texts {
-        hash.update((text.len() as u64).to_le_bytes());
-        hash.update(text.as_bytes());
-    }
-    hash.finalize()
-        .iter()
-        .take(8)
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
 }
 
 /// Parses a TOML file; appends errors to `findings`.

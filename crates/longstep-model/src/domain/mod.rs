@@ -5,6 +5,7 @@
 //! PDDL.
 
 mod bare;
+mod content_hash;
 mod files;
 mod load;
 pub(crate) mod pddl;

@@ -4,6 +4,7 @@
 //! [`Frame`](crate::Frame), if it has a position; otherwise it is a gap.
 
 mod builder;
+mod cells;
 mod clock;
 mod columns;
 mod mcap;

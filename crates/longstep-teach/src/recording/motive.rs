@@ -2,9 +2,9 @@
 
 use super::ReadError;
 use super::builder::Builder;
+use super::cells::{cell, lines};
 use super::row::{Number, Row};
 use super::side::listed;
-use super::table::{cell, lines};
 
 /// The most lines of a heading.
 const HEADING: usize = 12;
