@@ -118,9 +118,10 @@ pub fn one_each(recordings: &[Demonstration], requests: &[Request]) -> Result<Ve
             return Err(unclear(subject, reason));
         }
     };
-    let all =
-        |(recording, step): (&Demonstration, usize)| Segment::of(recording, step, f64::NEG_INFINITY, f64::INFINITY);
-    Ok(recordings.iter().zip(steps).map(all).collect())
+    let segments = recordings.iter().zip(steps);
+    Ok(segments
+        .map(|(recording, step)| Segment::whole(recording, step))
+        .collect())
 }
 
 /// Cuts a recording where it says: at the column `step`, or where the hand grasps, releases and rests.
