@@ -6,6 +6,7 @@
 mod bind;
 mod bind_tree;
 mod claims;
+mod finding;
 mod history;
 mod lanes;
 mod loop_states;

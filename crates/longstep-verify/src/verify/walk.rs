@@ -7,9 +7,10 @@ use std::collections::hash_map::Entry;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::finding::{Finding, Findings, joined};
 use super::history::{History, with_culprits};
 use super::loop_states::{LoopStates, kept_units};
-use super::path::ExecutionPath;
+use super::path::{ExecutionPath, cost_of_periods, dearest, sum};
 use super::stage_tracker::StageTracker;
 use super::{Purpose, StepClaim, Violation, claims, unmet};
 use crate::plan::{Node, Plan, StepId, Test, tree};
@@ -23,16 +24,6 @@ use longstep_model::model::{
 pub const STATES: usize = 4_096;
 /// Work units for a step, besides those for its conditions and effects.
 const STEP: usize = 16;
-
-/// A finding on one or more paths.
-#[derive(Debug, Clone)]
-struct Finding {
-    violation: Violation,
-    /// True for a warning.
-    odd: bool,
-    /// Sensing outcomes common to the paths with the finding; empty if it occurs on all paths.
-    when: Vec<Fact>,
-}
 
 /// State of the simulation: findings and scratch space.
 pub(super) struct Walk<'a> {
@@ -578,78 +569,4 @@ impl<'a> Walk<'a> {
 /// Returns the first step in a node, from 0; none if it has no steps.
 fn first_of(node: &Node) -> Option<usize> {
     tree::steps(std::slice::from_ref(node)).next().map(StepId::index)
-}
-
-/// Merges the findings of a loop whenever their number has doubled, since iterations repeat them.
-struct Findings {
-    from: usize,
-    most: usize,
-}
-
-impl Findings {
-    fn from(from: usize) -> Self {
-        Self { from, most: 256 }
-    }
-
-    fn compact(&mut self, found: &mut Vec<Finding>) {
-        if found.len() - self.from > self.most {
-            let together = joined(found.split_off(self.from), None);
-            self.most = 2 * together.len().max(128);
-            found.extend(together);
-        }
-    }
-}
-
-/// Returns the cost of the dearest of these paths; none if one of them is not known.
-fn dearest(paths: &[ExecutionPath]) -> Option<Number> {
-    let costs: Option<Vec<Number>> = paths.iter().map(|path| path.cost).collect();
-    costs?.into_iter().max()
-}
-
-fn sum(one: Option<Number>, other: Option<Number>) -> Option<Number> {
-    one?.plus(other?)
-}
-
-/// Returns the cost of so many periods of a loop that are not simulated.
-fn cost_of_periods(before: Option<Number>, after: Option<Number>, periods: u32) -> Option<Number> {
-    let periods = Number::of_millionths(i64::from(periods).checked_mul(1_000_000)?)?;
-    after?.minus(before?)?.times(periods)
-}
-
-/// Merges equal findings. A finding becomes unconditional if `count` paths have it or one of them is unconditional;
-/// otherwise the common sensing outcomes are kept.
-fn joined(found: Vec<Finding>, count: Option<usize>) -> Vec<Finding> {
-    let mut together: Vec<(Finding, usize)> = Vec::with_capacity(found.len());
-    let mut numbers: FxHashMap<(Violation, bool), usize> = FxHashMap::default();
-    effort::spend(found.len());
-    for next in found {
-        let number = *numbers
-            .entry((next.violation.clone(), next.odd))
-            .or_insert(together.len());
-        let Some((known, times)) = together.get_mut(number) else {
-            together.push((next, 1));
-            continue;
-        };
-        if !known.when.is_empty() {
-            effort::spend(known.when.len());
-            let common: Vec<Fact> = known
-                .when
-                .iter()
-                .filter(|fact| next.when.contains(fact))
-                .copied()
-                .collect();
-            // Without a common outcome the first list stays, since an empty one means "on all paths".
-            if !common.is_empty() || next.when.is_empty() {
-                known.when = common;
-            }
-        }
-        *times += 1;
-    }
-    let plain = |(mut found, times): (Finding, usize)| {
-        if count == Some(times) {
-            found.when.clear();
-        }
-        found
-    };
-    together.into_iter().map(plain).collect()
 }
