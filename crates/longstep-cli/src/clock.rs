@@ -2,12 +2,11 @@
 
 use std::time::Instant;
 
-use longstep::Clock;
+use longstep::{Clock, report};
 
 /// Milliseconds since `since`.
 pub(crate) fn milliseconds(since: Instant) -> f64 {
-    // Rounded to microseconds, which is precise enough.
-    (since.elapsed().as_secs_f64() * 1_000_000.0).round() / 1000.0
+    report::milliseconds(since.elapsed())
 }
 
 /// Returns a clock that begins now.

@@ -52,9 +52,18 @@ impl Clock {
 
     /// Returns the milliseconds from one reading of this clock to another; zero if the clock was set back.
     pub(crate) fn milliseconds(from: Duration, to: Duration) -> f64 {
-        // Rounded to microseconds, which is precise enough.
-        (to.saturating_sub(from).as_secs_f64() * 1_000_000.0).round() / 1000.0
+        milliseconds(to.saturating_sub(from))
     }
+}
+
+/// Returns a duration in milliseconds as answers have it: rounded to microseconds, which is precise enough.
+///
+/// ```
+/// use std::time::Duration;
+/// assert_eq!(longstep::report::milliseconds(Duration::from_nanos(1_234_567)), 1.235);
+/// ```
+pub fn milliseconds(duration: Duration) -> f64 {
+    (duration.as_secs_f64() * 1_000_000.0).round() / 1000.0
 }
 
 impl fmt::Debug for Clock {

@@ -8,6 +8,7 @@ mod assessment;
 mod feedback;
 mod solution;
 
+pub use crate::clock::milliseconds;
 pub use answer::*;
 pub use assessment::Assessment;
 pub use solution::{Solution, of_goal, of_purpose};
