@@ -1,22 +1,23 @@
 //! Seeded runs in the simulator over the scenes and goals of the shipped suites.
 
+#[path = "../support/agreeing.rs"]
+mod agreeing;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use longstep_core::environment::{Moment, State, Words, World, holds};
-use longstep_core::execution::{
-    Aim, Approval, Effect, Event, Execution, Need, Proposal, Settings, StepOrder as Wanted, Stop, Unseen,
-};
+use longstep_core::execution::{Aim, Approval, Effect, Event, Execution, Need, Settings, StepOrder as Wanted, Stop};
 use longstep_core::json::Path as JsonPath;
 use longstep_core::search::{Limits, Outcome, solve};
 use longstep_core::skill::Skills;
 use longstep_core::verify::{Purpose, VerifiedPlan, check};
 use longstep_core::{domain, environment, goal, schedule};
-use longstep_robot::{
-    Progress, Robot, Scope, Sim, SimCounts, SimOptions, StopRequest, Watcher, drive, order_of, reports,
-};
+use longstep_robot::{Progress, Robot, Scope, Sim, SimCounts, SimOptions, StopRequest, drive, order_of, reports};
+
+use agreeing::Agreeing;
 
 /// A goal of a suite in its scene, with a plan.
 pub struct Case {
@@ -88,7 +89,7 @@ pub fn solved(world: &World, name: &str, text: &str) -> Option<Case> {
     })
 }
 
-/// Approves everything, and checks that nothing is ordered that was not approved.
+/// The events of a run, with the steps that were ordered although nobody had approved them.
 #[derive(Default)]
 pub struct Approving {
     open: bool,
@@ -98,8 +99,8 @@ pub struct Approving {
     pub events: Vec<Event>,
 }
 
-impl Watcher for Approving {
-    fn record(&mut self, _: &Execution, events: &[Event]) -> Result<(), String> {
+impl Approving {
+    fn record(&mut self, events: &[Event]) {
         for event in events {
             match event {
                 Event::Began { .. } => self.open = true,
@@ -114,19 +115,6 @@ impl Watcher for Approving {
             }
         }
         self.events.extend_from_slice(events);
-        Ok(())
-    }
-
-    fn approve(&mut self, _: &Execution, _: &Proposal) -> Option<bool> {
-        Some(true)
-    }
-
-    fn judge(&mut self, _: &Execution, _: &Wanted) -> Option<bool> {
-        None
-    }
-
-    fn confirm(&mut self, _: &Execution, _: &Unseen) -> Option<bool> {
-        None
     }
 }
 
@@ -148,7 +136,8 @@ pub fn monitored(case: &Case, seed: u64, faults: u32) -> Run {
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
     let mut watcher = Approving::default();
     let request = StopRequest::of(&sim);
-    let stop = drive(&mut execution, &mut sim, &mut watcher, &request);
+    let mut agreeing = Agreeing(|_: &Execution, events: &[Event]| watcher.record(events));
+    let stop = drive(&mut execution, &mut sim, &mut agreeing, &request);
     Run {
         stop,
         reached: is_reached(case, sim.state()),
@@ -303,31 +292,16 @@ pub struct LaneRun {
 
 /// Runs a plan with lanes, with steps of random lengths.
 pub fn in_lanes(case: &Case, seed: u64, faults: u32) -> LaneRun {
-    struct Counting(usize);
-    impl Watcher for Counting {
-        fn record(&mut self, execution: &Execution, _: &[Event]) -> Result<(), String> {
-            self.0 = self.0.max(execution.running().len());
-            Ok(())
-        }
-        fn approve(&mut self, _: &Execution, _: &Proposal) -> Option<bool> {
-            Some(true)
-        }
-        fn judge(&mut self, _: &Execution, _: &Wanted) -> Option<bool> {
-            None
-        }
-        fn confirm(&mut self, _: &Execution, _: &Unseen) -> Option<bool> {
-            None
-        }
-    }
     let mut sim = sim(case, seed, faults, ",ticks=20");
     let settings = Settings::default().with_reports(reports(&sim, &case.world).unwrap());
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
-    let (mut watcher, request) = (Counting(0), StopRequest::of(&sim));
+    let (mut together, request) = (0, StopRequest::of(&sim));
+    let mut watcher = Agreeing(|execution: &Execution, _: &[Event]| together = together.max(execution.running().len()));
     let stop = drive(&mut execution, &mut sim, &mut watcher, &request);
     LaneRun {
         as_promised: case.plan.endings().iter().any(|ending| ending.after == *sim.state()),
         counts: sim.counts(),
-        together: watcher.0,
+        together,
         stop,
     }
 }

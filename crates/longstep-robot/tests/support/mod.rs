@@ -1,39 +1,20 @@
 //! Runs of verified plans on robots, and programs that end with the test.
 #![allow(clippy::unwrap_used, clippy::panic, dead_code, missing_docs, unreachable_pub)]
 
+mod agreeing;
+
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use longstep_core::execution::{Aim, Approval, Event, Execution, Proposal, Settings, StepOrder, Stop, Unseen};
+use longstep_core::execution::{Aim, Approval, Event, Execution, Settings, Stop};
 use longstep_core::verify::VerifiedPlan;
-use longstep_robot::{Robot, StopRequest, Watcher, drive, reports};
+use longstep_robot::{Robot, StopRequest, drive, reports};
+
+use agreeing::Agreeing;
 
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-/// Keeps the events, and agrees to everything.
-#[derive(Default)]
-pub struct Keeping(pub Vec<Event>);
-
-impl Watcher for Keeping {
-    fn record(&mut self, _: &Execution, events: &[Event]) -> Result<(), String> {
-        self.0.extend_from_slice(events);
-        Ok(())
-    }
-
-    fn approve(&mut self, _: &Execution, _: &Proposal) -> Option<bool> {
-        Some(true)
-    }
-
-    fn judge(&mut self, _: &Execution, _: &StepOrder) -> Option<bool> {
-        None
-    }
-
-    fn confirm(&mut self, _: &Execution, _: &Unseen) -> Option<bool> {
-        None
-    }
 }
 
 /// Carries out a plan; returns the events and the reason of a stop.
@@ -42,9 +23,10 @@ pub fn carried_out(plan: &VerifiedPlan, aim: &Aim, robot: &mut dyn Robot) -> (Ex
         .with_approval(Approval::Never)
         .with_reports(reports(robot, plan.world()).unwrap());
     let mut execution = Execution::new(plan, aim, settings).unwrap();
-    let (mut watcher, request) = (Keeping::default(), StopRequest::of(robot));
+    let (mut kept, request) = (Vec::new(), StopRequest::of(robot));
+    let mut watcher = Agreeing(|_: &Execution, events: &[Event]| kept.extend_from_slice(events));
     let stop = drive(&mut execution, robot, &mut watcher, &request);
-    (execution, watcher.0, stop)
+    (execution, kept, stop)
 }
 
 /// A program that is ended with the test.
