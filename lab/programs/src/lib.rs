@@ -2,6 +2,7 @@
 
 use std::error::Error;
 
+use longstep::dialogue::ChatRequest;
 use longstep_files::cache_directory;
 use longstep_llm::{AdapterChoice, ChatModel, ModelReference, OpenOptions, Progress, catalogue, open};
 
@@ -28,4 +29,12 @@ pub fn open_model() -> Result<Box<dyn ChatModel>, Box<dyn Error>> {
 /// Returns the mark of a case in a list.
 pub fn mark(is_right: bool) -> &'static str {
     if is_right { "right" } else { "wrong" }
+}
+
+/// Prints the last message of a request and the form of its answer, if `LONGSTEP_SHOW` is set.
+pub fn show(request: &ChatRequest) {
+    if std::env::var_os("LONGSTEP_SHOW").is_some() {
+        let words = request.messages.last().map_or("", |own| &own.text);
+        println!("{words}\n{:?}", request.constraint);
+    }
 }

@@ -14,7 +14,7 @@ use longstep::domain;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json;
 use longstep_core::plan::{Node, PlanFile, Written, script};
-use longstep_lab::{mark, open_model};
+use longstep_lab::{mark, open_model, show};
 use longstep_llm::{ConverseError, Progress, converse};
 use serde_json::{Value, json};
 
@@ -113,14 +113,7 @@ fn main() -> Anyhow<()> {
             rounds: &[],
             kind: model.constraint_kind(),
         });
-        if std::env::var_os("LONGSTEP_SHOW").is_some() {
-            let request = dialogue.request();
-            println!(
-                "{}\n{:?}",
-                request.messages.last().map_or("", |own| &own.text),
-                request.constraint
-            );
-        }
+        show(&dialogue.request());
         let started = Instant::now();
         let answer = match converse(model.as_mut(), &mut dialogue, &mut |_: Progress| {}) {
             Err(ConverseError::Model(error)) => return Err(error.into()),

@@ -21,7 +21,7 @@ use longstep_core::json;
 use longstep_core::plan::{Plan, TaskCohesion, resolve};
 use longstep_core::search::{self, Limits, Outcome};
 use longstep_core::verify::bind;
-use longstep_lab::{mark, open_model};
+use longstep_lab::{mark, open_model, show};
 use longstep_llm::{ChatModel, ConverseError, Progress, converse, load_domain};
 use serde_json::Value;
 
@@ -100,14 +100,7 @@ impl Case {
             feedback: &self.remark,
             kind: model.constraint_kind(),
         });
-        if std::env::var_os("LONGSTEP_SHOW").is_some() {
-            let request = dialogue.request();
-            println!(
-                "{}\n{:?}",
-                request.messages.last().map_or("", |own| &own.text),
-                request.constraint
-            );
-        }
+        show(&dialogue.request());
         let wish = match converse(model, &mut dialogue, &mut |_: Progress| {}) {
             Err(ConverseError::Model(error)) => return Err(error.into()),
             wish => wish.ok(),

@@ -25,7 +25,7 @@ use longstep_core::plan::{Plan, Step};
 use longstep_core::search::{self, Effort, Limits, Outcome};
 use longstep_core::verify::{Purpose, check};
 use longstep_files::domain_files;
-use serde_json::json;
+use serde_json::{Value, json};
 
 type Anyhow<T> = Result<T, Box<dyn Error>>;
 
@@ -151,18 +151,12 @@ fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) ->
     std::fs::create_dir_all(folder)?;
     std::fs::write(&domain_file, &scene.pddl)?;
     std::fs::write(&problem_file, &text)?;
-    let outcome = search::solve(world, &purpose, &Limits::default());
-    let mut line = json!({
-        "scene": scene.name,
-        "goal": goal.exact(world).join(" & "),
-        "domain": domain_file,
-        "problem": problem_file,
-        "outcome": name(&outcome),
-    });
-    if let Outcome::Solved { plan, shortest, .. } = outcome {
-        line["length"] = plan.steps().len().into();
-        line["shortest"] = shortest.into();
-    }
+    let mut line = solved_line(
+        scene,
+        &goal.exact(world).join(" & "),
+        &purpose,
+        (&domain_file, &problem_file),
+    );
     // What was written means the same to us when we read it back.
     let bare = domain::from_pddl("domain.pddl", &scene.pddl)?;
     let problem = pddl::read_problem(&bare, "problem.pddl", &text)?;
@@ -173,6 +167,23 @@ fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) ->
     };
     println!("{line}");
     Ok(())
+}
+
+/// Returns the line about a task: its files, and what our search finds.
+fn solved_line(scene: &Scene, goal: &str, purpose: &Purpose, (domain_file, problem_file): (&Path, &Path)) -> Value {
+    let outcome = search::solve(&scene.world, purpose, &Limits::default());
+    let mut line = json!({
+        "scene": scene.name,
+        "goal": goal,
+        "domain": domain_file,
+        "problem": problem_file,
+        "outcome": name(&outcome),
+    });
+    if let Outcome::Solved { plan, shortest, .. } = outcome {
+        line["length"] = plan.steps().len().into();
+        line["shortest"] = shortest.into();
+    }
+    line
 }
 
 /// Goals with an order or a prohibition, made of the single goals of a scene.
@@ -218,18 +229,7 @@ fn export_order(folder: &Path) -> Anyhow<()> {
             let (domain_file, problem_file) = (folder.join("domain.pddl"), folder.join("problem.pddl"));
             std::fs::write(&domain_file, &task.domain)?;
             std::fs::write(&problem_file, &task.problem)?;
-            let outcome = search::solve(world, &purpose, &Limits::default());
-            let mut line = json!({
-                "scene": scene.name,
-                "goal": text,
-                "domain": domain_file,
-                "problem": problem_file,
-                "outcome": name(&outcome),
-            });
-            if let Outcome::Solved { plan, shortest, .. } = outcome {
-                line["length"] = plan.steps().len().into();
-                line["shortest"] = shortest.into();
-            }
+            let line = solved_line(&scene, &text, &purpose, (&domain_file, &problem_file));
             println!("{line}");
         }
     }
