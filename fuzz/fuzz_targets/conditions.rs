@@ -6,11 +6,11 @@ use std::sync::LazyLock;
 use libfuzzer_sys::fuzz_target;
 use longstep::domain::{self, Condition, Domain, Files};
 use longstep_core::effort;
+use longstep_core::environment::{self, Environment, Moment, State, World, holds};
 use longstep_core::json::Path;
 use longstep_core::pddl::{self, Problem};
 use longstep_core::search::{self, Effort, Limits, Outcome, Wanted};
 use longstep_core::verify::{Purpose, apply, unmet};
-use longstep_core::environment::{self, Environment, Moment, State, World, holds};
 
 const PDDL: &str = "(define (domain d) (:requirements :adl) (:types place item - thing)
   (:predicates (ready) (lit ?x - thing) (at ?x - item ?y - place) (link ?x ?y - thing))
@@ -42,7 +42,14 @@ static GREENHOUSE: LazyLock<(Files, Environment)> = LazyLock::new(|| {
 /// Units of work for one input.
 const UNITS: u64 = effort::OPERATION / 400;
 
-const SMALL: Limits = Limits::default().with_direct(200).with_proof(50).with_shortest(100).with_any(200).with_effort(Effort::NORMAL);
+fn small() -> Limits {
+    Limits::default()
+        .with_direct(200)
+        .with_proof(50)
+        .with_shortest(100)
+        .with_any(200)
+        .with_effort(Effort::NORMAL)
+}
 
 fuzz_target!(|condition: &str| {
     as_goal(condition);
@@ -73,7 +80,7 @@ fn check_problem(problem: &Problem) {
     if let Some(holds_again) = all_hold(&again.world, &again.world.state, &again.wanted) {
         assert_eq!(holds_again, holds_now, "{written}");
     }
-    let spent = effort::within(UNITS, || search::solve(world, &Purpose::from(problem), &SMALL));
+    let spent = effort::within(UNITS, || search::solve(world, &Purpose::from(problem), &small()));
     match spent.result {
         _ if spent.exhausted => {}
         Outcome::Solved { plan, .. } => {
@@ -112,7 +119,12 @@ fn all_hold(world: &World, state: &State, wanted: &[Wanted]) -> Option<bool> {
 }
 
 /// Returns whether something is missing for the condition, by both ways to find out.
-fn missing(world: &World, state: &State, condition: &Condition, mut bindings: Vec<environment::EntityId>) -> Option<bool> {
+fn missing(
+    world: &World,
+    state: &State,
+    condition: &Condition,
+    mut bindings: Vec<environment::EntityId>,
+) -> Option<bool> {
     let spent = effort::within(UNITS, || {
         let holds = holds(Moment { world, state }, condition, &mut bindings);
         (holds, unmet(world, state, condition, &mut bindings).is_empty())

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
 use longstep::domain::{self, Domain};
-use longstep_core::json::Path;
 use longstep_core::environment::{self, Environment};
+use longstep_core::json::Path;
 
 static HOUSEHOLD: LazyLock<Domain> = LazyLock::new(|| domain::shipped("household").expect("shipped").expect("valid"));
 

@@ -5,10 +5,10 @@ use std::sync::{Arc, LazyLock};
 
 use libfuzzer_sys::fuzz_target;
 use longstep::Clock;
-use longstep::domain::{self, Domain};
-use longstep_core::effort;
 use longstep::dialogue::EstimatedTokens;
+use longstep::domain::{self, Domain};
 use longstep::session::{Entry, Event, Log, Session, replay};
+use longstep_core::effort;
 
 static CHECKS: LazyLock<Arc<Domain>> =
     LazyLock::new(|| Arc::new(domain::shipped("household-checks").expect("shipped").expect("valid")));

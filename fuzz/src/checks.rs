@@ -1,12 +1,12 @@
 //! Properties that hold of every plan that somebody could write.
 
 use longstep::domain::Domain;
+use longstep::report::Assessment;
 use longstep_core::effort;
+use longstep_core::environment::World;
 use longstep_core::plan::{Draft, Node, Plan, PlanFile, Resolved, TaskCohesion, Written, resolve, script};
 use longstep_core::repair::RepairOutcome;
-use longstep::report::Assessment;
 use longstep_core::verify::{Purpose, Violation, bind_tree, check};
-use longstep_core::environment::World;
 
 use crate::scenes::Scene;
 
@@ -77,7 +77,12 @@ fn check_as_written(domain: &Domain, world: &World, assessment: &Assessment<'_>)
             }
             let is_valid = report.violations.is_empty();
             if assessment.question().is_none() {
-                assert_eq!(answer.status == longstep::report::Status::Verified, is_valid, "{:?}", report.violations);
+                assert_eq!(
+                    answer.status == longstep::report::Status::Verified,
+                    is_valid,
+                    "{:?}",
+                    report.violations
+                );
             }
             if is_valid {
                 check_again(world, &plan, &assessment.purpose);

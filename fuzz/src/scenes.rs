@@ -3,8 +3,8 @@
 use std::sync::LazyLock;
 
 use longstep::domain::{self, Domain};
-use longstep_core::json::Path;
 use longstep_core::environment::{self, Environment, World};
+use longstep_core::json::Path;
 
 /// A domain and a world of it.
 pub struct Scene {

@@ -1,10 +1,12 @@
 //! Random plans of known calls: trees with hidden and given arguments, conditions, loops, lanes and claims.
 
 use libfuzzer_sys::arbitrary::{Result, Unstructured};
-use longstep_core::call::Call;
 use longstep::domain::{Action, Parameter};
-use longstep_core::plan::{Lane, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep};
+use longstep_core::call::Call;
 use longstep_core::environment::{Environment, Words};
+use longstep_core::plan::{
+    Lane, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep,
+};
 
 use crate::scenes::Scene;
 
