@@ -8,7 +8,7 @@ use longstep_core::execution::{Effect, Event, Execution, Proposal, StepOrder, St
 use longstep_core::plan::{Plan, outline};
 use longstep_robot::{Feedback, RobotError, RunLog, Watcher};
 
-use super::board::Board;
+use super::board::DrawnBoard;
 use super::person::{Decide, Question};
 use super::shown;
 use crate::output::{self, Style, print_line, remark};
@@ -28,7 +28,7 @@ pub(crate) struct View<'a> {
     /// The explanations of the orders under way.
     under_way: BTreeMap<u64, String>,
     /// None where it cannot be drawn; then each step is a line.
-    board: Option<Board>,
+    board: Option<DrawnBoard>,
 }
 
 impl<'a> View<'a> {
@@ -41,7 +41,7 @@ impl<'a> View<'a> {
             is_dry,
             robot_error: None,
             under_way: BTreeMap::new(),
-            board: Board::new().filter(|_| !json),
+            board: DrawnBoard::new().filter(|_| !json),
         }
     }
 

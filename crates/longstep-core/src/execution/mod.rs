@@ -16,6 +16,7 @@
 mod aim;
 mod approval;
 mod assess;
+mod board;
 mod change;
 mod error;
 mod event;
@@ -38,6 +39,7 @@ use rustc_hash::FxHashMap;
 
 pub use aim::Aim;
 pub use approval::{Proposal, ProposalId, Subject};
+pub use board::{Board, BoardLine, BoardStep, Mark};
 pub use change::{Change, ChangeKind};
 pub use error::{BeginError, ExecutionError};
 pub use event::{Event, PlanText};
