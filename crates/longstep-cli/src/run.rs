@@ -17,7 +17,7 @@ use longstep_core::execution::{Approval, Event, Execution, Resumed, Stop, Trust,
 use longstep_core::secret;
 use longstep_files::session_directory;
 use longstep_llm::load_domain;
-use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, reports};
+use longstep_robot::{Robot, RunControl, RunHeader, RunLog, StopRequest, drive, reports};
 
 use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments, TrustArgument, domain_or_default};
 use crate::exit_code::{GAVE_UP, LIMIT, NOT_SEEN, NOT_VALID, ROBOT, STOPPED, UNSOLVABLE};
@@ -178,7 +178,7 @@ fn carry_out(
     let before = execution.world().environment().clone();
     announce(path, is_dry);
     let mut view = View::new(log, Person::new(request.clone()), arguments.json, is_dry);
-    let stop = drive(&mut execution, robot, &mut view, request);
+    let stop = drive(&mut execution, robot, &mut view, &RunControl::from(request.clone())).into_stop();
     view.end();
     // Ends the program of a robot behind one.
     let _ = robot.stop();

@@ -6,11 +6,11 @@ use longstep_core::environment::{ObservedFacts, World};
 use longstep_core::execution::{Event, Execution, Need, Proposal, StepOrder as Wanted, Stop, Unseen};
 use longstep_core::model::PredicateId;
 
+use crate::control::RunControl;
 use crate::error::RobotError;
 use crate::order::{ArgumentValue, Order};
 use crate::robot::{Feedback, Handle, Progress, Robot};
 use crate::scope::Scope;
-use crate::stop::StopRequest;
 
 /// The longest wait between two looks at the robot and at the request to stop.
 const WAIT: Duration = Duration::from_millis(20);
@@ -84,17 +84,43 @@ pub fn reports(robot: &dyn Robot, world: &World) -> Result<Vec<PredicateId>, Rob
     robot.describe().reports.iter().map(find).collect()
 }
 
-/// Runs an execution on a robot until it is done or stopped; returns the reason of a stop. The robot is stopped first.
+/// How far an execution was driven.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Driven {
+    /// The purpose is achieved in the observed world.
+    Done,
+    /// The execution has stopped, and so has the robot.
+    Stopped(Stop),
+    /// The execution is paused at a request, and no order is under way. [`drive`] continues it.
+    Paused,
+}
+
+impl Driven {
+    /// Returns the reason of a stop; none for another end.
+    pub fn into_stop(self) -> Option<Stop> {
+        match self {
+            Self::Stopped(stop) => Some(stop),
+            Self::Done | Self::Paused => None,
+        }
+    }
+}
+
+/// Runs an execution on a robot until it is done, stopped or paused. The robot is stopped before the execution is.
 ///
-/// Blocks the thread. A [`StopRequest`] ends the run from another thread: at the latest after 20 ms, or after the robot's
-/// timeout for observations and stops.
+/// Blocks the thread. A [`RunControl`] stops the run from another thread: at the latest after 20 ms, or after the robot's
+/// timeout for observations and stops. It also pauses the run: orders under way end, and their effects are observed. A
+/// [`Watcher`] may end its wait for a person with no answer then; the question is asked again afterwards.
+///
+/// A paused execution continues with another call after [`RunControl::resume`], on the same robot or on one in the same world.
+/// Another execution may use the robot in between. The world is observed before anything else then, and
+/// [`Robot::begin_plan`] is called: a robot that counts events begins to count anew.
 ///
 /// # Example
 ///
 /// ```
 /// use longstep_core::execution::{Aim, Approval, Event, Execution, StepOrder, Proposal, Settings, Unseen};
 /// use longstep_core::{domain, environment, plan, verify::check_file};
-/// use longstep_robot::{Sim, SimOptions, StopRequest, Watcher, drive, reports};
+/// use longstep_robot::{Driven, RunControl, Sim, SimOptions, Watcher, drive, reports};
 ///
 /// /// Keeps events in memory, and answers no question.
 /// struct Alone(Vec<Event>);
@@ -118,8 +144,11 @@ pub fn reports(robot: &dyn Robot, world: &World) -> Result<Vec<PredicateId>, Rob
 /// let mut sim = Sim::new(world.clone(), &SimOptions::default())?;
 /// let settings = Settings::default().with_approval(Approval::Never).with_reports(reports(&sim, &world)?);
 /// let mut execution = Execution::new(&plan, &Aim::Endings, settings).unwrap();
-/// let (mut watcher, request) = (Alone(Vec::new()), StopRequest::of(&sim));
-/// assert_eq!(drive(&mut execution, &mut sim, &mut watcher, &request), None);
+/// let (mut watcher, control) = (Alone(Vec::new()), RunControl::of(&sim));
+/// control.pause();
+/// assert_eq!(drive(&mut execution, &mut sim, &mut watcher, &control), Driven::Paused);
+/// control.resume();
+/// assert_eq!(drive(&mut execution, &mut sim, &mut watcher, &control), Driven::Done);
 /// assert!(matches!(watcher.0.last(), Some(Event::Done { .. })));
 /// # Ok::<(), longstep_robot::RobotError>(())
 /// ```
@@ -127,13 +156,13 @@ pub fn drive(
     execution: &mut Execution,
     robot: &mut dyn Robot,
     watcher: &mut dyn Watcher,
-    request: &StopRequest,
-) -> Option<Stop> {
+    control: &RunControl,
+) -> Driven {
     let mut driver = Driver {
         execution,
         robot,
         watcher,
-        request,
+        control,
         running: Vec::new(),
         is_unanswered: false,
     };
@@ -144,7 +173,7 @@ struct Driver<'a> {
     execution: &'a mut Execution,
     robot: &'a mut dyn Robot,
     watcher: &'a mut dyn Watcher,
-    request: &'a StopRequest,
+    control: &'a RunControl,
     running: Vec<Running>,
     /// True if the run stops because a question has no answer.
     is_unanswered: bool,
@@ -153,22 +182,40 @@ struct Driver<'a> {
 impl Driver<'_> {
     /// Stops because a question has no answer, unless a request ended the wait for it.
     fn leave(&mut self) {
-        self.is_unanswered = !self.request.is_requested();
-        self.request.stop();
+        if self.control.is_stop_requested() {
+            return;
+        }
+        // After a pause it is asked again.
+        if !self.control.is_pause_requested() {
+            self.is_unanswered = true;
+            self.control.stop();
+        }
     }
 
-    fn run(&mut self) -> Option<Stop> {
-        loop {
-            if self.request.is_requested() {
-                // The switch has stopped the robot already; this waits for its confirmation.
-                let confirmed = self.robot.stop();
-                self.execution.stop(match (self.is_unanswered, confirmed) {
-                    (false, Ok(())) => "stopped at a request",
-                    (false, Err(_)) => "stopped at a request; the robot did not confirm it",
-                    (true, Ok(())) => "stopped, since nobody answered",
-                    (true, Err(_)) => "stopped, since nobody answered; the robot did not confirm it",
-                });
+    /// Hands on a request to stop, to pause or to go on.
+    fn follow_control(&mut self) {
+        if self.control.is_stop_requested() {
+            // The switch has stopped the robot already; this waits for its confirmation.
+            let confirmed = self.robot.stop();
+            self.execution.stop(match (self.is_unanswered, confirmed) {
+                (false, Ok(())) => "stopped at a request",
+                (false, Err(_)) => "stopped at a request; the robot did not confirm it",
+                (true, Ok(())) => "stopped, since nobody answered",
+                (true, Err(_)) => "stopped, since nobody answered; the robot did not confirm it",
+            });
+        } else if self.control.is_pause_requested() {
+            self.execution.pause();
+        } else {
+            if self.execution.is_paused() {
+                self.robot.begin_plan(self.execution.world());
             }
+            self.execution.go_on();
+        }
+    }
+
+    fn run(&mut self) -> Driven {
+        loop {
+            self.follow_control();
             let need = self.execution.next_need();
             if !self.record() {
                 continue;
@@ -205,13 +252,14 @@ impl Driver<'_> {
                     None => self.leave(),
                 },
                 Need::Wait => self.wait(),
-                Need::Done => return None,
+                Need::Paused => return Driven::Paused,
+                Need::Done => return Driven::Done,
                 Need::Stopped(stop) => {
                     // Nothing is under way unless the robot was stopped before; a second stop does nothing.
                     if !self.running.is_empty() {
                         drop(self.robot.stop());
                     }
-                    return Some(stop);
+                    return Driven::Stopped(stop);
                 }
                 other => self.fail(&format!("unexpected need: {other:?}")),
             }
@@ -244,14 +292,14 @@ impl Driver<'_> {
     /// Stops everything because the robot failed.
     fn fail(&mut self, why: &str) {
         drop(self.robot.stop());
-        if !self.request.is_requested() {
+        if !self.control.is_stop_requested() {
             self.execution.robot_failed(why);
         }
     }
 
     /// Stops everything because of an error of the robot.
     fn fail_robot(&mut self, error: &RobotError) {
-        if !self.request.is_requested() {
+        if !self.control.is_stop_requested() {
             self.watcher.robot_failed(error);
         }
         self.fail(&error.to_string());

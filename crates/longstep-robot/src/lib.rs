@@ -10,7 +10,7 @@
 //! - [`Order`]: one step as a robot receives it. [`Progress`]: the state of a step that was started.
 //! - [`Observation`]: what a robot saw, in the words of an environment file.
 //! - [`drive`]: runs an execution on a robot. [`Sim`]: a simulated robot with seeded mishaps. [`RunLog`]: the log of a run.
-//! - [`StopRequest`]: stops a run, also while its robot is being opened. [`StopSwitch`]: stops a robot from any thread,
+//! - [`RunControl`]: stops, pauses and continues a run. [`StopRequest`]: stops a run, also while its robot is being opened. [`StopSwitch`]: stops a robot from any thread,
 //!   also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language. [`ros2::Ros2`]: one behind ROS 2.
 //! - [`virtualhome::VirtualHome`]: a character in the VirtualHome simulator.
@@ -25,6 +25,7 @@
 //! 4. [`Robot::observe`] the world.
 //! 5. After an error that [`RobotError::is_final`], the robot is stopped already and accepts nothing more.
 
+mod control;
 mod description;
 mod drive;
 mod dry_run;
@@ -52,8 +53,9 @@ mod sim;
 mod stop;
 pub mod virtualhome;
 
+pub use control::RunControl;
 pub use description::{Description, Timeouts};
-pub use drive::{Watcher, drive, order_of, reports};
+pub use drive::{Driven, Watcher, drive, order_of, reports};
 pub use dry_run::DryRun;
 pub use error::RobotError;
 pub use exclusive::Exclusive;

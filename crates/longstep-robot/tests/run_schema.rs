@@ -40,7 +40,8 @@ impl Schema {
     }
 }
 
-/// Runs until a step is under way, ends there, and is taken up again with an observation that cannot show that step.
+/// Runs until a step is under way, ends there, and is taken up again with an observation that cannot show that step. The next
+/// step is followed by a pause.
 fn interrupted() -> Vec<Event> {
     let case = &cases(&["household"])[0];
     let sim = Sim::new(case.world.clone(), &"seed=1".parse().unwrap()).unwrap();
@@ -58,8 +59,12 @@ fn interrupted() -> Vec<Event> {
             Need::Approve(proposal) => execution.approve(&proposal.id).unwrap(),
             Need::Observe => execution.observed(&execution.statements()).unwrap(),
             Need::Judge(order) => execution.judged(order.number, true).unwrap(),
+            Need::Paused => execution.go_on(),
             Need::Perform(order) => {
                 orders += 1;
+                if orders == 2 {
+                    execution.pause();
+                }
                 if orders == 1 {
                     execution = Execution::resume(case.world.domain(), &log, Resumed::default()).unwrap();
                 } else {
@@ -108,6 +113,7 @@ fn the_schema_describes_the_logs_of_real_runs() {
         "assessed",
         "began",
         "changed",
+        "continued",
         "done",
         "failed",
         "header",
@@ -115,6 +121,7 @@ fn the_schema_describes_the_logs_of_real_runs() {
         "judged",
         "observed",
         "ordered",
+        "paused",
         "performed",
         "refused",
         "stopped",

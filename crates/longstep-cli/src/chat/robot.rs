@@ -8,7 +8,7 @@ use anyhow::Result;
 use longstep::session::{ObserveError, Observed};
 use longstep_core::environment::{Observation, World};
 use longstep_files::read_text;
-use longstep_robot::{RunHeader, RunLog, Scope, StopRequest, drive};
+use longstep_robot::{RunControl, RunHeader, RunLog, Scope, StopRequest, drive};
 
 use super::input::Lines;
 use super::{Chat, screen};
@@ -165,7 +165,7 @@ impl Chat<'_> {
         // The person accepted the plan, and asked for the run.
         let mut view = View::new(log, asked, false, is_dry).of_approved();
         let before = self.session.robot_world().environment().clone();
-        let stop = drive(&mut execution, body, &mut view, &request);
+        let stop = drive(&mut execution, body, &mut view, &RunControl::from(request.clone())).into_stop();
         view.end();
         drop((view, armed));
         if is_dry {

@@ -43,7 +43,9 @@ impl Execution {
                 .take(fitting.steps.len())
                 .map(ground)
                 .collect();
-            self.count_repeated(&repeated);
+            if !std::mem::take(&mut self.meanwhile.is_blameless) {
+                self.count_repeated(&repeated);
+            }
             if repeated.iter().any(|step| self.is_forbidden(step)) {
                 return self.assess();
             }

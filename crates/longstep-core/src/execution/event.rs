@@ -119,6 +119,10 @@ pub enum Event {
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         edits: Vec<String>,
     },
+    /// The execution is paused: nothing is under way, and nothing is ordered.
+    Paused,
+    /// The pause is over. The world is observed before the next order.
+    Continued,
     /// The program ended while the execution went on; orders that were under way are unknown.
     Interrupted {
         /// The numbers of these orders.

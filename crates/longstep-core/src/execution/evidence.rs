@@ -50,7 +50,7 @@ fn weight_of(basis: Option<Basis>) -> u32 {
     match basis {
         None => 0,
         Some(Basis::Seen | Basis::Word) => 1,
-        Some(Basis::Promised | Basis::Assumed) => 1_000,
+        Some(Basis::Promised | Basis::Assumed | Basis::BeforePause) => 1_000,
     }
 }
 
@@ -63,7 +63,7 @@ impl Execution {
     /// Returns true if only a promise or an assumption says how a variable is, although a look could show it.
     pub(super) fn is_unproven(&self, variable: StateVariable) -> bool {
         let basis = self.basis(variable);
-        matches!(basis, Some((Basis::Promised | Basis::Assumed, _)))
+        basis.is_some_and(|(basis, _)| basis.is_open())
     }
 
     fn unseen(&self, variable: StateVariable) -> Option<Unseen> {

@@ -21,6 +21,8 @@ pub enum Basis {
     Promised,
     /// The environment of the plan says so, and it was never observed.
     Assumed,
+    /// It was observed before a pause, in which others may have changed it, and not since.
+    BeforePause,
 }
 
 /// A fact or number that no look of the end of a run has shown, with its basis.
@@ -31,16 +33,23 @@ pub struct Unseen {
     pub what: String,
     /// Its basis.
     pub basis: Basis,
-    /// The number of the order after which it was seen last ([`Basis::Seen`]), or that promised it; 0 for the beginning, none
+    /// The number of the order after which it was seen last ([`Basis::Seen`], [`Basis::BeforePause`]), or that promised it; 0 for the beginning, none
     /// for an assumption.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub order: Option<u64>,
 }
 
+impl Basis {
+    /// Returns true for a basis that a look could test, and none has since others could have changed it.
+    pub(super) fn is_open(self) -> bool {
+        matches!(self, Self::Promised | Self::Assumed | Self::BeforePause)
+    }
+}
+
 impl Unseen {
-    /// Returns true if only a promise or an assumption says so, although a look could show it.
+    /// Returns true if only a promise, an assumption or a look before a pause says so, although a look could show it.
     pub fn is_open(&self) -> bool {
-        matches!(self.basis, Basis::Promised | Basis::Assumed)
+        self.basis.is_open()
     }
 
     /// Writes the basis and the fact as a sentence.
@@ -59,6 +68,10 @@ impl Unseen {
             (Basis::Seen, Some(order)) => format!("last seen after step {order}: {what}"),
             (Basis::Word, _) => format!("on the robot's word: {what}"),
             (Basis::Promised, Some(order)) => format!("promised by step {order}, not seen since: {what}"),
+            (Basis::BeforePause, Some(0) | None) => {
+                format!("last seen before the first step, and a pause since: {what}")
+            }
+            (Basis::BeforePause, Some(order)) => format!("last seen after step {order}, and a pause since: {what}"),
             (Basis::Promised | Basis::Assumed, _) => format!("never seen: {what}"),
         }
     }
@@ -89,6 +102,8 @@ pub(super) struct Knowledge {
     now: Moment,
     /// The tick at which the last order ended.
     ended: u64,
+    /// The tick at which others could have acted last.
+    others: u64,
     entities: FxHashMap<EntityId, Moment>,
     predicates: FxHashMap<PredicateId, Moment>,
     /// The last list of facts without a subject.
@@ -171,6 +186,11 @@ impl Knowledge {
         self.ended = self.now.tick;
     }
 
+    /// Records that others may have changed anything that an observation shows.
+    pub(super) fn others_acted(&mut self) {
+        self.others = self.now.tick;
+    }
+
     fn last_shown(&self, world: &World, variable: StateVariable) -> Option<Moment> {
         let own = self.shown.get(&variable).copied();
         let StateVariable::Fact(fact) = variable else {
@@ -242,7 +262,12 @@ impl Knowledge {
         let is_visible = ObservedFacts::can_show(world, reports, variable);
         match (self.last_shown(world, variable), self.last_touched(world, variable)) {
             (Some(shown), touched) if touched.is_none_or(|touched| touched < shown) => {
-                (shown.tick < self.ended).then_some((Basis::Seen, Some(shown.order)))
+                let basis = if is_visible && shown.tick <= self.others {
+                    Basis::BeforePause
+                } else {
+                    Basis::Seen
+                };
+                (basis == Basis::BeforePause || shown.tick < self.ended).then_some((basis, Some(shown.order)))
             }
             (_, Some(touched)) if is_visible => Some((Basis::Promised, Some(touched.order))),
             (_, Some(touched)) => Some((Basis::Word, Some(touched.order))),

@@ -12,6 +12,7 @@
 //! - "Done" is said only of what the verifier accepts, and of facts that were observed since a step could have changed
 //!   them, unless [`Trust::Promised`] accepts promises; what no look has shown is listed.
 //! - After a stop nothing is ordered, unless the execution is resumed from its log.
+//! - While it is paused nothing is ordered; afterwards nothing before the world was observed.
 
 mod aim;
 mod approval;
@@ -29,6 +30,9 @@ mod knowledge;
 mod monitor;
 mod need;
 mod order;
+mod pause;
+#[cfg(test)]
+mod pause_tests;
 mod resume;
 mod settings;
 #[cfg(test)]
@@ -59,6 +63,7 @@ use longstep_verify::plan::{Node, StepId, tree};
 use longstep_verify::verify::{Progress, Purpose, Report, VerifiedPlan, check};
 use monitor::Completed;
 use order::ground;
+use pause::{Meanwhile, Pause};
 use written::messages;
 
 /// A verified plan that is carried out.
@@ -150,6 +155,8 @@ pub struct Execution {
     /// The step that a person approved and that is not ordered yet.
     approved: Option<StepOrder>,
     phase: Phase,
+    pause: Pause,
+    meanwhile: Meanwhile,
     /// The phase before a stop after which the execution can be taken up again.
     suspended: Option<Box<Phase>>,
     events: Vec<Event>,
@@ -223,6 +230,8 @@ impl Execution {
             differences: Vec::new(),
             approved: None,
             phase: Phase::Active,
+            pause: Pause::Off,
+            meanwhile: Meanwhile::default(),
             suspended: None,
             events: vec![began],
         };
@@ -310,8 +319,15 @@ impl Execution {
     /// follows them. A change of the plan is searched for here, within the default limits. See the [example](Self#example).
     pub fn next_need(&mut self) -> Need {
         loop {
+            if !self.is_ended()
+                && let Some(need) = self.pause_need()
+            {
+                return need;
+            }
             match &self.phase {
                 Phase::Active => {}
+                // After a pause a person decides about the observed world.
+                Phase::Approving(_) if self.meanwhile.is_unknown => return Need::Observe,
                 Phase::Approving(proposal) => return Need::Approve(proposal.clone()),
                 Phase::Judging(_) => match self.interrupted.first() {
                     Some(order) => return Need::Judge(order.clone()),

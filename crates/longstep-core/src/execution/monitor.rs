@@ -111,6 +111,7 @@ impl Execution {
 
     /// Compares the prediction with an observation.
     fn compare(&mut self, observation: &ObservedFacts) {
+        self.forget_hidden();
         self.knowledge
             .observed(observation, self.orders, &self.world, &self.running);
         self.looks.add(observation);
@@ -118,6 +119,9 @@ impl Execution {
         self.earlier_look = None;
         let masked = self.under_change();
         let mut seen = observation.revised_but(&self.world, self.state(), &masked);
+        for event in self.events_before_pause() {
+            seen.set(*event, true);
+        }
         for event in self.refuted_events(observation, &masked) {
             seen.set(event, false);
         }
@@ -139,7 +143,8 @@ impl Execution {
         if !self.suspicious && self.running.is_empty() {
             self.confirm();
         }
-        if self.suspicious && self.running.is_empty() {
+        // What follows from a difference is decided after a pause, from a new look.
+        if self.suspicious && self.running.is_empty() && !self.is_paused() {
             self.assess();
         }
     }
@@ -220,6 +225,7 @@ impl Execution {
     /// Records that the observed world is as predicted, or as good.
     pub(super) fn confirm(&mut self) {
         self.since.clear();
+        self.meanwhile.is_blameless = false;
         for step in self.worked.drain(..) {
             self.failures.remove(&step);
         }

@@ -37,6 +37,8 @@ pub enum Need {
     Confirm(Unseen),
     /// Nothing: the steps that are under way have to end first.
     Wait,
+    /// Nothing: the execution is paused, and no step is under way; [`go_on`](super::Execution::go_on) ends the pause.
+    Paused,
     /// Nothing: the purpose is achieved in the observed world.
     Done,
     /// Nothing: the execution has stopped.

@@ -116,9 +116,11 @@ impl Execution {
             action: order.action,
             arguments: order.arguments.clone(),
         };
+        let changes = apply(&self.world, &mut changed, action, &order.arguments);
+        self.decided_again(|event| changes.facts.iter().any(|own| own.fact == event));
         self.recent.push(Completed {
             action: ground.clone(),
-            changes: apply(&self.world, &mut changed, action, &order.arguments),
+            changes,
             before,
             shown: FxHashSet::default(),
             denied: FxHashSet::default(),

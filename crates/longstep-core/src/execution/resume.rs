@@ -2,6 +2,7 @@
 
 use super::event::FORMAT;
 use super::evidence::Looks;
+use super::pause::Pause;
 use super::written::{messages, written_outcome};
 use super::{Aim, Approval, BeginError, Event, Execution, ExecutionError, Phase, Settings, Trust, Unseen};
 use longstep_model::diagnostic::Diagnostics;
@@ -227,6 +228,8 @@ impl Execution {
                 self.next_need();
                 self.confirmed(*holds).map_err(wrong)?;
             }
+            Event::Paused => self.repeat_pause().map_err(wrong)?,
+            Event::Continued => self.go_on(),
             Event::Interrupted { approval, trust, .. } => {
                 self.interrupt(Resumed {
                     approval: *approval,
@@ -267,6 +270,10 @@ impl Execution {
         if self.is_ended() {
             return;
         }
+        if self.is_paused() {
+            self.look_again();
+        }
+        self.pause = Pause::Off;
         // Nobody has approved the plan of a run that nobody was asked about.
         self.unapproved |= self.settings.approval == Approval::Never && resumed.approval.is_some();
         self.settings.approval = resumed.approval.unwrap_or(self.settings.approval);

@@ -29,7 +29,7 @@ pub(super) fn fact(world: &World, text: &str) -> Fact {
 
 /// The event at an order.
 #[derive(Debug, Clone, Copy)]
-enum Mishap<'a> {
+pub(super) enum Mishap<'a> {
     /// The robot says that it cannot do the step.
     Fails,
     /// The robot says that it did the step, and nothing happened.
@@ -39,19 +39,19 @@ enum Mishap<'a> {
 }
 
 /// A real world with a robot.
-struct Real<'a> {
-    state: State,
+pub(super) struct Real<'a> {
+    pub(super) state: State,
     /// True if every step is observed, so that no order may be inapplicable.
     watched: bool,
     mishaps: &'a [(u64, Mishap<'a>)],
-    calls: Vec<String>,
+    pub(super) calls: Vec<String>,
     /// The values of the skill parameter `place` that came with orders of `move-hand`; null for none.
     places: Vec<serde_json::Value>,
-    log: Vec<Event>,
+    pub(super) log: Vec<Event>,
 }
 
 impl Real<'_> {
-    fn of<'a>(execution: &Execution, mishaps: &'a [(u64, Mishap<'a>)]) -> Real<'a> {
+    pub(super) fn of<'a>(execution: &Execution, mishaps: &'a [(u64, Mishap<'a>)]) -> Real<'a> {
         Real {
             state: execution.state().clone(),
             watched: execution.settings.watch == Watch::EachStep,
@@ -62,7 +62,7 @@ impl Real<'_> {
         }
     }
 
-    fn observation(&self, world: &World, reports: &[PredicateId]) -> Observation {
+    pub(super) fn observation(&self, world: &World, reports: &[PredicateId]) -> Observation {
         let everything: Vec<EntityId> = world.entities().map(|(entity, _)| entity).collect();
         ObservedFacts::statements(world, &self.state, &everything, reports)
     }
@@ -99,32 +99,40 @@ impl Real<'_> {
         true
     }
 
-    /// Runs to the end.
-    fn run(&mut self, execution: &mut Execution) -> Need {
+    /// Runs to the end, or to a pause.
+    pub(super) fn run(&mut self, execution: &mut Execution) -> Need {
         for _ in 0..500 {
-            let need = execution.next_need();
-            self.log.extend(execution.take_events());
-            let world = execution.world().clone();
-            match need {
-                Need::Perform(order) => {
-                    if self.perform(&world, &order) {
-                        execution.performed(order.number, None).unwrap();
-                    } else {
-                        execution.failed(order.number, "slipped").unwrap();
-                    }
-                }
-                Need::Observe => {
-                    let seen = self.observation(&world, &execution.settings.reports);
-                    execution.observed(&seen).unwrap();
-                }
-                Need::Approve(proposal) => execution.approve(&proposal.id).unwrap(),
-                end => {
-                    self.log.extend(execution.take_events());
-                    return end;
-                }
+            if let Some(end) = self.turn(execution) {
+                return end;
             }
         }
         panic!("no end: {:?}", self.calls)
+    }
+
+    /// Meets the next need; returns it if it is none of the robot's, and no approval.
+    pub(super) fn turn(&mut self, execution: &mut Execution) -> Option<Need> {
+        let need = execution.next_need();
+        self.log.extend(execution.take_events());
+        let world = execution.world().clone();
+        match need {
+            Need::Perform(order) => {
+                if self.perform(&world, &order) {
+                    execution.performed(order.number, None).unwrap();
+                } else {
+                    execution.failed(order.number, "slipped").unwrap();
+                }
+            }
+            Need::Observe => {
+                let seen = self.observation(&world, &execution.settings.reports);
+                execution.observed(&seen).unwrap();
+            }
+            Need::Approve(proposal) => execution.approve(&proposal.id).unwrap(),
+            end => {
+                self.log.extend(execution.take_events());
+                return Some(end);
+            }
+        }
+        None
     }
 }
 

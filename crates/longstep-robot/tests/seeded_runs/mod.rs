@@ -15,7 +15,7 @@ use longstep_core::search::{Limits, Outcome, solve};
 use longstep_core::skill::Skills;
 use longstep_core::verify::{Purpose, VerifiedPlan, check};
 use longstep_core::{domain, environment, goal, schedule};
-use longstep_robot::{Progress, Robot, Scope, Sim, SimCounts, SimOptions, StopRequest, drive, order_of, reports};
+use longstep_robot::{Progress, Robot, RunControl, Scope, Sim, SimCounts, SimOptions, drive, order_of, reports};
 
 use agreeing::Agreeing;
 
@@ -135,9 +135,9 @@ pub fn monitored(case: &Case, seed: u64, faults: u32) -> Run {
         .with_reports(reports(&sim, &case.world).unwrap());
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
     let mut watcher = Approving::default();
-    let request = StopRequest::of(&sim);
+    let control = RunControl::of(&sim);
     let mut agreeing = Agreeing(|_: &Execution, events: &[Event]| watcher.record(events));
-    let stop = drive(&mut execution, &mut sim, &mut agreeing, &request);
+    let stop = drive(&mut execution, &mut sim, &mut agreeing, &control).into_stop();
     Run {
         stop,
         reached: is_reached(case, sim.state()),
@@ -295,9 +295,9 @@ pub fn in_lanes(case: &Case, seed: u64, faults: u32) -> LaneRun {
     let mut sim = sim(case, seed, faults, ",ticks=20");
     let settings = Settings::default().with_reports(reports(&sim, &case.world).unwrap());
     let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
-    let (mut together, request) = (0, StopRequest::of(&sim));
+    let (mut together, control) = (0, RunControl::of(&sim));
     let mut watcher = Agreeing(|execution: &Execution, _: &[Event]| together = together.max(execution.running().len()));
-    let stop = drive(&mut execution, &mut sim, &mut watcher, &request);
+    let stop = drive(&mut execution, &mut sim, &mut watcher, &control).into_stop();
     LaneRun {
         as_promised: case.plan.endings().iter().any(|ending| ending.after == *sim.state()),
         counts: sim.counts(),

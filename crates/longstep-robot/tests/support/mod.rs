@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 
 use longstep_core::execution::{Aim, Approval, Event, Execution, Settings, Stop};
 use longstep_core::verify::VerifiedPlan;
-use longstep_robot::{Robot, StopRequest, drive, reports};
+use longstep_robot::{Robot, RunControl, drive, reports};
 
 use agreeing::Agreeing;
 
@@ -23,10 +23,10 @@ pub fn carried_out(plan: &VerifiedPlan, aim: &Aim, robot: &mut dyn Robot) -> (Ex
         .with_approval(Approval::Never)
         .with_reports(reports(robot, plan.world()).unwrap());
     let mut execution = Execution::new(plan, aim, settings).unwrap();
-    let (mut kept, request) = (Vec::new(), StopRequest::of(robot));
+    let (mut kept, control) = (Vec::new(), RunControl::of(robot));
     let mut watcher = Agreeing(|_: &Execution, events: &[Event]| kept.extend_from_slice(events));
-    let stop = drive(&mut execution, robot, &mut watcher, &request);
-    (execution, kept, stop)
+    let driven = drive(&mut execution, robot, &mut watcher, &control);
+    (execution, kept, driven.into_stop())
 }
 
 /// A program that is ended with the test.
