@@ -103,11 +103,7 @@ impl DrawnBoard {
         }
         if !self.steps.steps().is_empty() {
             let seconds = self.begun.elapsed().as_secs();
-            print_line!(
-                "{:MARK$}{}",
-                "",
-                format!("{}, {seconds} s", self.fraction()).dimmed()
-            );
+            print_line!("{:MARK$}{}", "", format!("{}, {seconds} s", self.fraction()).dimmed());
         }
     }
 
@@ -125,7 +121,10 @@ impl DrawnBoard {
     fn lines(&self, width: usize, most: usize) -> Vec<Line> {
         let is_open = |place: &BoardLine| match place {
             BoardLine::Step { entry, .. } => self.steps.steps()[*entry].mark.is_open(),
-            BoardLine::Beside(cells) => cells.iter().flatten().any(|entry| self.steps.steps()[*entry].mark.is_open()),
+            BoardLine::Beside(cells) => cells
+                .iter()
+                .flatten()
+                .any(|entry| self.steps.steps()[*entry].mark.is_open()),
             _ => false,
         };
         let all = self.steps.lines().len();
@@ -141,7 +140,11 @@ impl DrawnBoard {
         if from > 0 {
             lines.push(composed!("{:MARK$}{}", "", format!("{from} more before").dimmed()));
         }
-        lines.extend(self.steps.lines()[from..to].iter().flat_map(|place| self.line(place, width)));
+        lines.extend(
+            self.steps.lines()[from..to]
+                .iter()
+                .flat_map(|place| self.line(place, width)),
+        );
         if to < all {
             lines.push(composed!("{:MARK$}{}", "", format!("{} more", all - to).dimmed()));
         }
@@ -178,7 +181,9 @@ impl DrawnBoard {
                     match cell {
                         Some(entry) => {
                             let cell = self.cell(*entry, 0, column - MARK - 1);
-                            let filled = fitted(&self.steps.steps()[*entry].text, column - MARK - 1).chars().count();
+                            let filled = fitted(&self.steps.steps()[*entry].text, column - MARK - 1)
+                                .chars()
+                                .count();
                             let padding = (column - MARK).saturating_sub(filled);
                             line.push(format_args!("{cell}{:padding$}", ""));
                         }

@@ -157,7 +157,9 @@ impl Board {
             .filter(|entry| !matches!(entry.mark, Mark::Waiting | Mark::New))
             .map(|entry| BoardStep { step: None, ..entry })
             .collect();
-        self.places = (0..kept.len()).map(|entry| BoardLine::Step { depth: 0, entry }).collect();
+        self.places = (0..kept.len())
+            .map(|entry| BoardLine::Step { depth: 0, entry })
+            .collect();
         self.entries = kept;
         self.orders.clear();
         let mark = if std::mem::take(&mut self.is_changed) {

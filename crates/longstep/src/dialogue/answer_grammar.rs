@@ -1,6 +1,6 @@
 //! The forms of answers: a grammar for an engine that masks tokens, and a JSON schema for a server.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
@@ -27,13 +27,13 @@ pub(crate) enum Form {
     /// The form again and again, between `least` and `most` times.
     Times { form: Box<Form>, least: usize, most: usize },
     /// A form that occurs at several places. The grammar has it once.
-    Shared(Rc<Form>),
+    Shared(Arc<Form>),
 }
 
 impl Form {
     /// The form, for use at several places.
     pub(crate) fn shared(self) -> Self {
-        Self::Shared(Rc::new(self))
+        Self::Shared(Arc::new(self))
     }
 
     /// This text.
@@ -109,7 +109,7 @@ impl Form {
             }
             Self::Times { form, least, most } => format!("({}){{{least},{most}}}", form.written(terminals)),
             Self::Shared(form) => {
-                let key = Rc::as_ptr(form);
+                let key = Arc::as_ptr(form);
                 let known = terminals.iter().position(|(other, _)| *other == key);
                 let index = known.unwrap_or_else(|| {
                     let written = form.written(terminals);

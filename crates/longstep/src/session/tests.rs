@@ -684,3 +684,9 @@ fn a_hundred_instructions_send_no_longer_prompts_than_three() {
         assert!(spread <= 10, "{:?}: {lengths:?}", settings.strategy);
     }
 }
+
+#[test]
+fn session_can_be_moved_to_another_thread() {
+    fn is_send<T: Send>() {}
+    is_send::<Session>();
+}

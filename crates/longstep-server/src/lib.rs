@@ -1,0 +1,40 @@
+//! Longstep behind a network: sessions, approvals that are bound to one plan, and runs, for the page, for HTTP and for
+//! agents.
+//!
+//! Nothing moves a robot before a person has approved exactly that plan. Every face is thin over the [`Hub`]:
+//!
+//! - [`Hub::say`], [`Hub::accept`]: a session, as the library has it. A plan is named by its hash.
+//! - [`Hub::approve`] and [`Hub::start`]: an [`Approval`] counts for one plan, from one world, on one robot, once, until a
+//!   time. [`Audit`] has who did what.
+//! - [`Hub::pause`], [`Hub::go_on`], [`Hub::stop`], [`Hub::decide`]: a run under way.
+//! - [`Feed`]: the live stream.
+//!
+//! [`Store`] is what outlives a server. [`Models`] is the model that all sessions share.
+
+mod approval;
+mod audit;
+mod domains;
+mod feed;
+mod hosted;
+mod hub;
+mod id;
+mod models;
+mod operate;
+mod problem;
+mod run;
+mod store;
+mod talk;
+mod view;
+
+pub use approval::{APPROVAL_LIFETIME, Approval, Approvals, Approved, world_hash};
+pub use audit::{Audit, AuditEntry, Deed};
+pub use domains::{Domains, Scene};
+pub use feed::{Feed, FeedEvent, Happening, Page};
+pub use hub::{Configuration, Hub, NewSession};
+pub use id::{ApprovalId, RunId, SessionId};
+pub use models::{Models, OpenModel};
+pub use problem::{Problem, ProblemKind};
+pub use run::{Body, EndView, OpenRobot, OpenedRobot, QuestionView, RobotEntry, RunRecord, RunState, RunView};
+pub use store::{Durability, FileStore, LogName, RecordKey, Store, StoreError};
+pub use talk::{Said, Waiting};
+pub use view::{AcceptedView, EndingView, FailureView, ProposalView, SessionView, Snapshot, plan_hash};

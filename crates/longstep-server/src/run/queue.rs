@@ -1,0 +1,175 @@
+//! The runs that wait for a robot, and the thread that drives it.
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+use longstep_robot::{Driven, Robot, drive};
+
+use super::hosted::HostedRun;
+use super::view::RunState;
+use super::work::{Begun, Task};
+use crate::problem::{Problem, ProblemKind};
+
+/// The most runs that wait for one robot.
+const WAITING: usize = 16;
+
+/// A robot, or the simulation of one session.
+pub(crate) type BodyKey = String;
+
+/// The robots of a server, each with the runs that wait for it.
+#[derive(Clone, Default)]
+pub(crate) struct Queues {
+    bodies: Arc<Mutex<HashMap<BodyKey, Queue>>>,
+}
+
+/// The runs of one robot.
+#[derive(Default)]
+struct Queue {
+    waiting: VecDeque<Task>,
+    /// The run that the robot carries out, with those that it interrupted below it.
+    under_way: Vec<Arc<HostedRun>>,
+}
+
+impl Queues {
+    fn bodies(&self) -> MutexGuard<'_, HashMap<BodyKey, Queue>> {
+        self.bodies.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Adds a run. An urgent one is the next, and pauses the run under way.
+    ///
+    /// # Errors
+    ///
+    /// Too many runs wait for the robot.
+    pub(crate) fn add(&self, body: &BodyKey, task: Task) -> Result<(), Problem> {
+        let mut bodies = self.bodies();
+        let is_idle = !bodies.contains_key(body);
+        let queue = bodies.entry(body.clone()).or_default();
+        if queue.waiting.len() >= WAITING {
+            return Err(Problem::new(
+                ProblemKind::Busy,
+                format!("{WAITING} runs wait for the robot already"),
+            ));
+        }
+        if task.run().record().urgent {
+            let before = queue.waiting.iter().take_while(|own| own.run().record().urgent).count();
+            queue.waiting.insert(before, task);
+            if let Some(run) = queue.under_way.last().filter(|run| !run.record().urgent) {
+                run.interrupt(true);
+            }
+        } else {
+            queue.waiting.push_back(task);
+        }
+        drop(bodies);
+        if is_idle {
+            let (queues, body) = (self.clone(), body.clone());
+            thread::spawn(move || queues.serve(&body));
+        }
+        Ok(())
+    }
+
+    /// Carries out the runs of a robot until none waits.
+    fn serve(&self, body: &BodyKey) {
+        while let Some(task) = self.next(body, |_| true) {
+            self.carry_out(body, task, None);
+        }
+    }
+
+    /// Takes the next run that fits. A robot without one has no queue any more.
+    fn next(&self, body: &BodyKey, fits: impl Fn(&Task) -> bool) -> Option<Task> {
+        let mut bodies = self.bodies();
+        let queue = bodies.get_mut(body)?;
+        match queue.waiting.pop_front() {
+            Some(task) if fits(&task) => {
+                queue.under_way.push(Arc::clone(task.run()));
+                Some(task)
+            }
+            Some(task) => {
+                queue.waiting.push_front(task);
+                None
+            }
+            None => {
+                if queue.under_way.is_empty() {
+                    bodies.remove(body);
+                }
+                None
+            }
+        }
+    }
+
+    fn left(&self, body: &BodyKey) {
+        if let Some(queue) = self.bodies().get_mut(body) {
+            queue.under_way.pop();
+        }
+    }
+
+    /// Returns true if an urgent run waits.
+    fn is_urgent(&self, body: &BodyKey) -> bool {
+        let bodies = self.bodies();
+        let next = bodies.get(body).and_then(|queue| queue.waiting.front());
+        next.is_some_and(|task| task.run().record().urgent)
+    }
+
+    /// Carries out a run, on the robot of the run that it interrupts or on its own.
+    fn carry_out(&self, body: &BodyKey, task: Task, robot: Option<&mut Box<dyn Robot>>) {
+        let run = Arc::clone(task.run());
+        if run.control().is_stop_requested() {
+            task.end_unbegun("stopped before it began");
+        } else {
+            match robot {
+                Some(robot) => self.begin(body, task, robot, false),
+                None => match task.open() {
+                    Ok((mut robot, is_dry)) => {
+                        self.begin(body, task, &mut robot, is_dry);
+                        // Ends the program of a robot behind one.
+                        let _ = robot.stop();
+                    }
+                    Err(problem) => task.end_unbegun(&problem.message),
+                },
+            }
+        }
+        self.left(body);
+    }
+
+    fn begin(&self, body: &BodyKey, task: Task, robot: &mut Box<dyn Robot>, is_dry: bool) {
+        robot.begin_plan(task.world());
+        match task.begin(robot.as_ref(), is_dry) {
+            Ok(begun) => self.drive(body, &task, begun, robot),
+            Err(problem) => task.end_unbegun(&problem.message),
+        }
+    }
+
+    /// Drives an execution to its end. While it is paused, urgent runs use its robot.
+    fn drive(&self, body: &BodyKey, task: &Task, mut begun: Begun, robot: &mut Box<dyn Robot>) {
+        let run = task.run();
+        let mut watcher = task.watcher(&begun);
+        loop {
+            match drive(&mut begun.execution, robot.as_mut(), &mut watcher, run.control()) {
+                Driven::Paused => {
+                    run.update(|view| view.state = RunState::Paused);
+                    run.wait_paused(|| self.is_urgent(body));
+                    self.interrupt(body, robot, run);
+                }
+                Driven::Done => return task.end(&begun, None),
+                Driven::Stopped(stop) => return task.end(&begun, Some(&stop)),
+            }
+        }
+    }
+
+    /// Carries out the urgent runs that wait, on the robot of a run that is paused.
+    fn interrupt(&self, body: &BodyKey, robot: &mut Box<dyn Robot>, run: &HostedRun) {
+        while let Some(task) = self.next(body, |task| task.run().record().urgent) {
+            run.update(|view| view.state = RunState::Paused);
+            let urgent = Arc::clone(task.run());
+            self.carry_out(body, task, Some(&mut *robot));
+            // A stop of the urgent run has stopped the robot of both.
+            if urgent.view().state == RunState::Stopped
+                && let Some(again) = robot.revived()
+            {
+                *robot = again;
+            }
+            run.control().stop_request().attach(robot.stop_switch());
+        }
+        run.interrupt(false);
+    }
+}

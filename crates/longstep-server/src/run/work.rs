@@ -1,0 +1,175 @@
+//! One run from its beginning to its end, on the thread of its robot.
+
+use std::sync::Arc;
+
+use longstep_core::environment::World;
+use longstep_core::execution::{Aim, Approval, Event, Execution, Resumed, Stop, Trust};
+use longstep_core::verify::VerifiedPlan;
+use longstep_robot::{Robot, RunHeader, preflight};
+
+use super::hosted::HostedRun;
+use super::robots::RobotEntry;
+use super::view::{EndView, RunState};
+use super::watch::Watching;
+use crate::audit::{Audit, Deed};
+use crate::hosted::{EndedRun, Hosted};
+use crate::problem::Problem;
+use crate::store::{Durability, LogName, Store};
+
+/// A run that waits for its robot.
+pub(crate) struct Task {
+    pub(crate) run: Arc<HostedRun>,
+    pub(crate) entry: RobotEntry,
+    pub(crate) session: Arc<Hosted>,
+    pub(crate) store: Arc<dyn Store>,
+    pub(crate) audit: Audit,
+    pub(crate) start: Start,
+}
+
+/// How a run begins.
+pub(crate) enum Start {
+    /// With a plan that was approved.
+    Plan {
+        plan: Box<VerifiedPlan>,
+        aim: Aim,
+        /// The domain as a log names it.
+        domain: String,
+    },
+    /// From the log of a run that was interrupted; with the world of its beginning.
+    Log { events: Vec<Event>, world: Box<World> },
+}
+
+/// An execution that has begun.
+pub(crate) struct Begun {
+    pub(crate) execution: Execution,
+    is_dry: bool,
+    /// True if its plan was approved, and not a rest of it.
+    is_approved: bool,
+}
+
+impl Task {
+    pub(crate) fn run(&self) -> &Arc<HostedRun> {
+        &self.run
+    }
+
+    /// Returns the world in which the run begins.
+    pub(crate) fn world(&self) -> &World {
+        match &self.start {
+            Start::Plan { plan, .. } => plan.world(),
+            Start::Log { world, .. } => world,
+        }
+    }
+
+    fn log(&self) -> LogName {
+        LogName::Run(self.run.record().id.clone())
+    }
+
+    /// Opens the robot; also returns true if nothing moves.
+    pub(super) fn open(&self) -> Result<(Box<dyn Robot>, bool), Problem> {
+        self.run.update(|view| view.state = RunState::Opening);
+        let request = self.run.control().stop_request();
+        let opened = (self.entry.open)(self.world(), request)?;
+        request.attach(opened.robot.stop_switch());
+        Ok((opened.robot, opened.is_dry))
+    }
+
+    /// Begins the execution on a robot, and its log.
+    pub(super) fn begin(&self, robot: &dyn Robot, is_dry: bool) -> Result<Begun, Problem> {
+        let execution = match &self.start {
+            Start::Plan { plan, aim, domain } => {
+                let mut settings = self.entry.settings_in(plan.world(), robot)?;
+                if is_dry {
+                    // Nothing moves, and nothing is observed.
+                    settings = settings.with_approval(Approval::Never).with_trust(Trust::Promised);
+                }
+                preflight(robot, plan, &settings.skills).map_err(|error| Problem::conflict(error.to_string()))?;
+                let execution =
+                    Execution::new(plan, aim, settings).map_err(|error| Problem::conflict(error.to_string()))?;
+                let header = RunHeader::new(&self.entry.reference, domain).with_dry_run(is_dry);
+                self.store.own(&self.log())?;
+                let line = serde_json::to_string(&header).unwrap_or_default() + "\n";
+                self.store.append(&self.log(), &line, Durability::Now)?;
+                execution
+            }
+            Start::Log { events, world } => {
+                if is_dry {
+                    return Err(Problem::conflict("an interrupted run goes on for real only"));
+                }
+                self.store.own(&self.log())?;
+                let resumed = Execution::resume(world.domain(), events, Resumed::default());
+                let execution = resumed.map_err(|error| Problem::conflict(error.to_string()))?;
+                let settings = self.entry.settings_in(execution.world(), robot)?;
+                if settings.reports != execution.settings().reports {
+                    return Err(Problem::conflict(
+                        "this robot reports other facts than the robot with which the run began",
+                    ));
+                }
+                execution
+            }
+        };
+        self.run.update(|view| view.dry_run = is_dry);
+        Ok(Begun {
+            execution,
+            is_dry,
+            is_approved: matches!(self.start, Start::Plan { .. }),
+        })
+    }
+
+    pub(super) fn watcher(&self, begun: &Begun) -> Watching<'_> {
+        Watching::new(&self.run, self.store.as_ref(), &begun.execution, begun.is_approved)
+    }
+
+    /// Ends a run that did not begin: nothing has moved.
+    pub(super) fn end_unbegun(&self, why: &str) {
+        self.finish(EndView {
+            done: false,
+            text: format!("{why}; nothing has moved"),
+            resumable: matches!(self.start, Start::Log { .. }),
+        });
+    }
+
+    /// Ends a run: the session goes on in the observed world.
+    pub(super) fn end(&self, begun: &Begun, stop: Option<&Stop>) {
+        let execution = &begun.execution;
+        if !begun.is_dry {
+            let ended = self.session.run_ended(EndedRun {
+                number: self.run.record().number,
+                is_reached: stop.is_none(),
+                statements: execution.statements(),
+            });
+            if let Err(problem) = ended {
+                self.run.update(|view| view.notices.push(problem.message));
+            }
+        }
+        let text = match stop {
+            Some(stop) => stop.sentence(execution.world()),
+            None if begun.is_dry => "the plan would reach the goal; nothing was sent".to_owned(),
+            None if execution.rests_on_promises() => {
+                "the goal is reached if what was not shown is as promised".to_owned()
+            }
+            None => "the goal is reached in the observed world".to_owned(),
+        };
+        self.finish(EndView {
+            done: stop.is_none(),
+            text,
+            resumable: !begun.is_dry && stop.is_some_and(Stop::is_resumable),
+        });
+    }
+
+    fn finish(&self, end: EndView) {
+        let record = self.run.record();
+        let deed = Deed::Ended {
+            run: record.id.clone(),
+            end: if end.done { "done".to_owned() } else { end.text.clone() },
+        };
+        let noted = self.audit.add(&record.by, deed);
+        self.store.release(&self.log());
+        self.run.update(|view| {
+            view.state = if end.done { RunState::Done } else { RunState::Stopped };
+            view.question = None;
+            view.feedback = None;
+            view.end = Some(end);
+            view.notices.extend(noted.err().map(|problem| problem.message));
+        });
+    }
+}

@@ -1,0 +1,227 @@
+//! What a person says to a session.
+
+use std::sync::Arc;
+
+use longstep::session::Session;
+
+use crate::audit::Deed;
+use crate::hosted::Hosted;
+use crate::hub::{Hub, checked_text};
+use crate::id::SessionId;
+use crate::problem::{Problem, ProblemKind};
+use crate::view::{Snapshot, proposal_hash};
+
+/// A request of a person that a model may have to answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Said {
+    /// An instruction.
+    Instruction(String),
+    /// An answer to the question.
+    Answer(String),
+    /// What is to be different.
+    Feedback(String),
+}
+
+impl Said {
+    fn text(&self) -> &str {
+        match self {
+            Self::Instruction(text) | Self::Answer(text) | Self::Feedback(text) => text,
+        }
+    }
+
+    fn apply(&self, session: &mut Session) -> Result<(), Problem> {
+        let text = checked_text(self.text())?;
+        Ok(match self {
+            Self::Instruction(_) => session.instruct(text)?,
+            Self::Answer(_) => session.answer(text)?,
+            Self::Feedback(_) => session.feedback(text)?,
+        })
+    }
+}
+
+/// Cancels the work of a model when the one who asked for it goes away.
+pub struct Waiting {
+    hosted: Arc<Hosted>,
+    is_over: bool,
+}
+
+impl Waiting {
+    /// Returns the session as it is now.
+    pub fn snapshot(&self) -> Arc<Snapshot> {
+        self.hosted.snapshot()
+    }
+
+    /// Waits until it is the person's turn.
+    pub async fn turn(mut self) -> Arc<Snapshot> {
+        let mut version = self.hosted.version();
+        while self.hosted.is_thinking() {
+            version.borrow_and_update();
+            if !self.hosted.is_thinking() || version.changed().await.is_err() {
+                break;
+            }
+        }
+        self.is_over = true;
+        self.hosted.snapshot()
+    }
+
+    /// Leaves the model at work: what comes of it is in the session, and on the live stream.
+    pub fn leave(mut self) -> Arc<Snapshot> {
+        self.is_over = true;
+        self.hosted.snapshot()
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        if !self.is_over {
+            self.hosted.stop_thinking();
+        }
+    }
+}
+
+impl Hub {
+    /// Tells a session something; a model then works for it. Drop what is returned, and the work is cancelled.
+    ///
+    /// # Errors
+    ///
+    /// The session waits for something else, the queue for the model is full, or there is no model.
+    pub fn say(self: &Arc<Self>, id: &SessionId, said: &Said) -> Result<Waiting, Problem> {
+        let hosted = self.hosted(id)?;
+        self.say_to(&hosted, said)?;
+        Ok(Waiting { hosted, is_over: false })
+    }
+
+    pub(crate) fn say_to(self: &Arc<Self>, hosted: &Arc<Hosted>, said: &Said) -> Result<(), Problem> {
+        let Some(models) = &self.models else {
+            return Err(Problem::new(ProblemKind::Failed, "this server has no model")
+                .hint("start it with `longstep serve --model NAME`"));
+        };
+        if !hosted.begin_thinking() {
+            return Err(Problem::conflict("a model works for this session already")
+                .hint("wait for it, or cancel the instruction"));
+        }
+        let job = {
+            let hosted = Arc::clone(hosted);
+            Box::new(move |model: &mut dyn longstep_llm::ChatModel| hosted.think(model))
+        };
+        let facts = models.facts().clone();
+        let begun = hosted.change(|session| {
+            if *session.model() != facts {
+                session.set_model(facts);
+            }
+            said.apply(session)
+        });
+        let submitted = begun.and_then(|()| {
+            models.submit(job).inspect_err(|_| {
+                // Nobody will answer: the session is as before.
+                let _ = hosted.change(|session| Ok(session.cancel()?));
+            })
+        });
+        submitted.inspect_err(|_| hosted.end_thinking())
+    }
+
+    /// Cancels what a session does: the work of a model, feedback, or the instruction.
+    ///
+    /// # Errors
+    ///
+    /// There is nothing to cancel.
+    pub fn cancel(&self, id: &SessionId) -> Result<Arc<Snapshot>, Problem> {
+        let hosted = self.hosted(id)?;
+        if hosted.is_thinking() {
+            // The thread of the model cancels the session.
+            hosted.stop_thinking();
+        } else {
+            hosted.change(|session| Ok(session.cancel()?))?;
+        }
+        Ok(hosted.snapshot())
+    }
+
+    /// Accepts the plan with this hash: the next instruction begins in its final world. Nothing moves for that.
+    ///
+    /// # Errors
+    ///
+    /// Another plan, or none, waits for a decision.
+    pub fn accept(&self, id: &SessionId, plan: &str, by: &str) -> Result<Arc<Snapshot>, Problem> {
+        let hosted = self.hosted(id)?;
+        let accepted = hosted.change(|session| {
+            let shown = session.proposal().map(proposal_hash);
+            if shown.as_deref() != Some(plan) {
+                return Err(Problem::conflict(match shown {
+                    Some(_) => "another plan waits for a decision now",
+                    None => "no plan waits for a decision",
+                })
+                .hint("look at the session again"));
+            }
+            self.audit.add(
+                by,
+                Deed::Accepted {
+                    session: id.clone(),
+                    plan: plan.to_owned(),
+                },
+            )?;
+            Ok(session.accept()?)
+        });
+        if let Err(problem) = accepted {
+            self.audit.add(
+                by,
+                Deed::Refused {
+                    session: id.clone(),
+                    plan: plan.to_owned(),
+                    why: problem.message.clone(),
+                },
+            )?;
+            return Err(problem);
+        }
+        Ok(hosted.snapshot())
+    }
+
+    /// Reverts the last accepted plan.
+    ///
+    /// # Errors
+    ///
+    /// An instruction is in progress, there is no accepted plan, or a robot carries it out.
+    pub fn undo(&self, id: &SessionId) -> Result<Arc<Snapshot>, Problem> {
+        self.refuse_during_run(id)?;
+        self.changed(id, |session| {
+            session.undo()?;
+            Ok(())
+        })
+    }
+
+    /// Says which of its endings the last plan had.
+    ///
+    /// # Errors
+    ///
+    /// No ending is open, or there is none with this number.
+    pub fn ended(&self, id: &SessionId, number: usize) -> Result<Arc<Snapshot>, Problem> {
+        self.changed(id, |session| Ok(session.ended(number)?))
+    }
+
+    /// Takes an observation of the world between two instructions.
+    ///
+    /// # Errors
+    ///
+    /// An instruction is in progress, a robot carries a plan out, or a statement cannot be read in this world.
+    pub fn observed(
+        &self,
+        id: &SessionId,
+        statements: &longstep_core::environment::Observation,
+    ) -> Result<Arc<Snapshot>, Problem> {
+        self.refuse_during_run(id)?;
+        self.changed(id, |session| {
+            session.observed(statements)?;
+            Ok(())
+        })
+    }
+
+    fn changed(
+        &self,
+        id: &SessionId,
+        change: impl FnOnce(&mut Session) -> Result<(), Problem>,
+    ) -> Result<Arc<Snapshot>, Problem> {
+        let hosted = self.hosted(id)?;
+        hosted.change(change)?;
+        Ok(hosted.snapshot())
+    }
+}
