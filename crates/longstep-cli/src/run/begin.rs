@@ -12,9 +12,9 @@ use longstep_core::skill::Skills;
 use longstep_core::verify::VerifiedPlan;
 use longstep_files::read_text;
 use longstep_llm::advance;
-use longstep_robot::{Robot, preflight, reports};
+use longstep_robot::{Opened, Robot, preflight, reports};
 
-use super::robot::{Opened, failure};
+use super::robot::failure;
 use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::clock;
