@@ -112,6 +112,7 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
             .into());
     }
     check_resumed(&execution, opened.robot.as_ref())?;
+    check_limits(arguments, &execution, &opened)?;
     remark!("Resuming {}", path.display());
     carry_out(arguments, execution, opened, (log, path), &request)
 }
@@ -126,6 +127,20 @@ fn check_resumed(execution: &Execution, robot: &dyn Robot) -> Result<()> {
         Err(
             Failure::unreadable("this robot reports other facts than the robot with which the run began")
                 .hint("resume with the same robot")
+                .into(),
+        )
+    }
+}
+
+/// Refuses levels and limits that are stricter than those with which the run began.
+fn check_limits(arguments: &RunArguments, execution: &Execution, opened: &Opened) -> Result<()> {
+    let now = begin::autonomy(&arguments.execution, opened, execution.world())?;
+    if execution.settings().autonomy.is_as_strict_as(&now) {
+        Ok(())
+    } else {
+        Err(
+            Failure::unreadable("the levels or limits are stricter than those with which the run began")
+                .hint("begin a new run, in which they are in force")
                 .into(),
         )
     }
@@ -235,7 +250,7 @@ fn code(stop: &Stop) -> u8 {
     match stop {
         Stop::NoPlan { .. } => UNSOLVABLE,
         Stop::GaveUp { .. } => GAVE_UP,
-        Stop::Broken { .. } => NOT_VALID,
+        Stop::Broken { .. } | Stop::OutOfLimits { .. } => NOT_VALID,
         Stop::TooManyChanges(_) | Stop::Repeated => LIMIT,
         Stop::Unseen { .. } => NOT_SEEN,
         Stop::Robot(_) => ROBOT,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use longstep_core::autonomy::Autonomy;
 use longstep_core::diagnostic::Diagnostics;
 use longstep_core::environment::World;
 use longstep_core::execution::Event;
@@ -24,6 +25,8 @@ pub struct Opened {
     pub robot: Box<dyn Robot>,
     /// True if nothing moves: the robot is no simulation, and [`OpenOptions::live`] is false.
     pub is_dry: bool,
+    /// The levels of autonomy and the limits of the robot's own configuration.
+    pub autonomy: Autonomy,
     /// The number of goals that an interrupted run had left under way, and that were cancelled.
     pub cancelled: usize,
 }
@@ -33,6 +36,7 @@ impl Opened {
         Self {
             robot: Box::new(robot),
             is_dry: false,
+            autonomy: Autonomy::default(),
             cancelled: 0,
         }
     }
@@ -42,6 +46,7 @@ impl Opened {
         self.robot.revived().map(|robot| Self {
             robot,
             is_dry: self.is_dry,
+            autonomy: self.autonomy.clone(),
             cancelled: 0,
         })
     }
@@ -274,14 +279,18 @@ impl Opening<'_> {
     }
 
     fn ros2(&self, file: &Path, start: RunStart) -> Result<Opened, OpenError> {
-        let configuration = configuration(file, self.world.domain(), self.world)?;
-        if self.options.live || configuration.is_simulated() {
-            return self.connected(configuration, start);
-        }
-        let preview = Preview::new(configuration, self.world.domain());
-        let description = preview.description().clone();
-        let message = move |order: &crate::order::Order| preview.message(order);
-        Ok(dry(DryRun::new(&description, self.world.clone(), message)?))
+        let domain = self.world.domain();
+        let configuration = configuration(file, domain, self.world)?;
+        let autonomy = configuration.autonomy(domain, Some(self.world))?;
+        let opened = if self.options.live || configuration.is_simulated() {
+            self.connected(configuration, start)?
+        } else {
+            let preview = Preview::new(configuration, domain);
+            let description = preview.description().clone();
+            let message = move |order: &crate::order::Order| preview.message(order);
+            dry(DryRun::new(&description, self.world.clone(), message)?)
+        };
+        Ok(Opened { autonomy, ..opened })
     }
 
     /// Connects to a robot behind a bridge, which no other program may drive by then.
