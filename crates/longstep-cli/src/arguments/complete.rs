@@ -85,6 +85,15 @@ impl Taken {
         Ok(())
     }
 
+    fn autonomy(&mut self, own: &mut Option<PathBuf>) -> Result<()> {
+        if own.is_none() {
+            own.clone_from(&self.project()?.autonomy);
+            self.values
+                .extend(own.iter().map(|path| format!("autonomy {}", path.display())));
+        }
+        Ok(())
+    }
+
     fn model(&mut self, own: &mut ModelArguments) -> Result<()> {
         if own.model.is_none() {
             own.model.clone_from(&self.project()?.model);
@@ -111,6 +120,7 @@ impl Taken {
         self.domain(&mut own.domain)?;
         self.rules(&mut own.rules)?;
         self.robot(&mut own.robot)?;
+        self.autonomy(&mut own.execution.autonomy)?;
         own.project_env = self.further_environment(own.env.as_ref())?;
         if is_file { Ok(()) } else { self.model(&mut own.model) }
     }
@@ -138,6 +148,9 @@ impl Command {
                     taken.rules(&mut own.rules)?;
                 }
                 taken.robot(&mut own.robot)?;
+                if own.robot.is_some() {
+                    taken.autonomy(&mut own.execution.autonomy)?;
+                }
                 taken.model(&mut own.model)?;
             }
             Self::Compose(own) => {
