@@ -1,6 +1,6 @@
 //! Sessions, approvals and runs, without a network.
 
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::unwrap_used, missing_docs, unreachable_pub)]
 
 mod support;
 
@@ -39,7 +39,10 @@ fn an_approved_plan_moves_the_robot_once() {
     let plan = hash(&instructed(&hub, &id, "Put the pen on the shelf"));
 
     // Nothing is approved by its accepting, and nothing else than what was seen can be accepted or approved.
-    assert_eq!(hub.accept(&id, "another", "ada").unwrap_err().kind, ProblemKind::Conflict);
+    assert_eq!(
+        hub.accept(&id, "another", "ada").unwrap_err().kind,
+        ProblemKind::Conflict
+    );
     assert!(hub.approve(&id, &plan, "sim", "ada", APPROVAL_LIFETIME).is_err());
     hub.accept(&id, &plan, "ada").unwrap();
     assert!(hub.approve(&id, "another", "sim", "ada", APPROVAL_LIFETIME).is_err());
@@ -54,7 +57,10 @@ fn an_approved_plan_moves_the_robot_once() {
     assert!(!done.steps.is_empty() && done.end.as_ref().unwrap().done);
     let view = &hub.session(&id).unwrap().view;
     assert!(!view.accepted[0].pending);
-    assert_eq!(view.environment.object_states["<pen>"].as_slice(), ["on_something(<shelf>)"]);
+    assert_eq!(
+        view.environment.object_states["<pen>"].as_slice(),
+        ["on_something(<shelf>)"]
+    );
     // The second approval of the same plan came too late.
     assert!(hub.start(&second.id, false, "ada").is_err());
 
@@ -76,7 +82,12 @@ fn an_approval_lapses_when_the_world_changes_or_its_time_is_over() {
     hub.accept(&id, &plan, "ada").unwrap();
     let short = hub.approve(&id, &plan, "sim", "ada", Duration::from_millis(1)).unwrap();
     std::thread::sleep(Duration::from_millis(5));
-    assert!(hub.start(&short.id, false, "ada").unwrap_err().message.contains("expired"));
+    assert!(
+        hub.start(&short.id, false, "ada")
+            .unwrap_err()
+            .message
+            .contains("expired")
+    );
 
     let approval = hub.approve(&id, &plan, "sim", "ada", APPROVAL_LIFETIME).unwrap();
     let seen = serde_json::from_str(r#"{"states": {"<cup>": "on_something(<table>)"}}"#).unwrap();
@@ -95,7 +106,7 @@ fn a_session_goes_on_after_the_server_died() {
         let id = desk(&hub);
         let plan = hash(&instructed(&hub, &id, "Put the pen on the shelf"));
         hub.accept(&id, &plan, "ada").unwrap();
-        instructed(&hub, &id, "Put it somewhere");
+        instructed(&hub, &id, "Put something away");
         (id, plan)
     };
     let hub = hub(&folder, robots());
@@ -129,5 +140,6 @@ fn a_call_of_the_model_ends_with_its_client_or_when_it_is_cancelled() {
 
     hub.say(&one, &wait).unwrap().leave();
     hub.cancel(&one).unwrap();
+    hub.cancel(&other).unwrap();
     assert_eq!(instructed(&hub, &other, "Put the pen on the shelf").view.state, "plan");
 }

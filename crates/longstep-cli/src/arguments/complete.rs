@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use longstep_core::secret;
 
-use super::{Command, DraftArguments, ModelArguments, RobotCommand, RunArguments};
+use super::{Command, DraftArguments, ModelArguments, RobotCommand, RunArguments, ServeArguments};
 use crate::project::Project;
 
 /// The variable that names the domain.
@@ -124,6 +124,26 @@ impl Taken {
         own.project_env = self.further_environment(own.env.as_ref())?;
         if is_file { Ok(()) } else { self.model(&mut own.model) }
     }
+
+    fn serve(&mut self, own: &mut ServeArguments) -> Result<()> {
+        self.domain(&mut own.domain)?;
+        self.autonomy(&mut own.execution.autonomy)?;
+        if own.env.is_empty() {
+            let mut env = None;
+            self.environment(&mut env)?;
+            own.env.extend(env);
+        }
+        if own.robot.is_empty() {
+            let mut robot = None;
+            self.robot(&mut robot)?;
+            own.robot.extend(robot);
+        }
+        if own.no_model {
+            Ok(())
+        } else {
+            self.model(&mut own.model)
+        }
+    }
 }
 
 impl Command {
@@ -181,6 +201,7 @@ impl Command {
                 own.project_env = taken.further_environment(own.env.as_ref())?;
             }
             Self::Run(own) => taken.run(own)?,
+            Self::Serve(own) => taken.serve(own)?,
             Self::Robot(RobotCommand::Check(own)) => {
                 taken.domain(&mut own.domain)?;
                 taken.environment(&mut own.env)?;
