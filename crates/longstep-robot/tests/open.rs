@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::Path;
 
+use longstep_core::autonomy::Level;
 use longstep_core::environment::{self, World};
 use longstep_core::{diagnostic::Diagnostics, domain};
 use longstep_robot::{OpenError, OpenOptions, Opened, RobotError, RunStart, StopRequest, open};
@@ -27,6 +28,38 @@ fn robot_that_is_no_simulation_is_opened_as_a_dry_run() {
     let dry = opened(&format!("ros2:{root}/examples/robots/ros2/robot.toml"), &request).unwrap();
     assert!(dry.is_dry && dry.cancelled == 0);
     assert!(!opened("sim", &request).unwrap().is_dry);
+}
+
+/// The tables of levels and limits in `robot.toml` come with the robot, and their mistakes are mistakes of the file.
+#[test]
+fn robot_toml_has_levels_and_limits() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let text = fs::read_to_string(format!("{root}/examples/robots/ros2/robot.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("robot.toml");
+    let open = |tables: &str| {
+        fs::write(&file, format!("{text}\n{tables}\n")).unwrap();
+        opened(&format!("ros2:{}", file.display()), &StopRequest::default())
+    };
+    let domain = pantry().domain().clone();
+    let attach = domain.action_ids().find(|(_, own)| own.name == "attach").unwrap().0;
+    let limited = open("[autonomy]\nattach = \"never\"\n[[limit]]\nforbidden = [\"fridge\"]").unwrap();
+    assert_eq!(limited.autonomy.level(attach), Level::Never);
+    assert_eq!(limited.autonomy.limits().len(), 1);
+    assert!(open("").unwrap().autonomy.is_empty());
+    for (tables, expected) in [
+        ("[autonomy]\natach = \"never\"", "unknown action `atach`"),
+        ("[[limit]]\nforbidden = [\"frigde\"]", "unknown place `frigde`"),
+    ] {
+        let error = open(tables).err().unwrap();
+        let OpenError::Configuration(Diagnostics(findings)) = &error else {
+            panic!("{error}")
+        };
+        assert!(
+            findings[0].message == expected && findings[0].position.is_some(),
+            "{findings:?}"
+        );
+    }
 }
 
 #[test]
