@@ -20,6 +20,20 @@ impl Area {
     pub(crate) fn right(self) -> f64 {
         self.x + self.width
     }
+
+    pub(crate) fn bottom(self) -> f64 {
+        self.y + self.height
+    }
+}
+
+/// A line of text with its baseline.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Line {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) text: String,
+    pub(crate) font: Font,
+    pub(crate) paint: Paint,
 }
 
 /// Options of a picture.
@@ -81,16 +95,19 @@ pub(crate) struct Canvas {
 }
 
 impl Canvas {
-    /// Returns the whole picture with its frame.
-    pub(crate) fn finish(self, options: &SvgOptions, height: f64, title: &str, description: &str) -> String {
+    /// Returns the whole picture with its frame. A drawing that is wider than the picture is scaled down.
+    pub(crate) fn finish(self, options: &SvgOptions, drawn: (f64, f64), title: &str, description: &str) -> String {
         let mut out = String::with_capacity(self.body.len() + 4_096);
-        let (width, height) = (number(options.width), number(height.ceil()));
+        let scale = options.width / drawn.0;
+        let (width, height) = (number(drawn.0), number(drawn.1.ceil()));
         let prefix = &options.prefix;
         let _ = write!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"{prefix}\" class=\"ls-picture\" role=\"img\" \
-             aria-labelledby=\"{prefix}-title {prefix}-desc\" width=\"{width}\" height=\"{height}\" \
+             aria-labelledby=\"{prefix}-title {prefix}-desc\" width=\"{}\" height=\"{}\" \
              viewBox=\"0 0 {width} {height}\" font-family=\"{}\">",
+            number(options.width),
+            number((drawn.1.ceil() * scale).ceil()),
             theme::FONTS
         );
         let _ = write!(out, "<title id=\"{prefix}-title\">{}</title>", escaped(title));
@@ -160,14 +177,21 @@ impl Canvas {
         let _ = write!(self.body, "<path d=\"{path}\"{}/>", paint.attributes());
     }
 
-    /// Adds a line of text; `y` is its baseline. The text must fit: it is not shortened.
-    pub(crate) fn text(&mut self, (x, y): (f64, f64), text: &str, font: Font, paint: Paint) {
+    /// Adds a line of text. It must fit: it is not shortened.
+    pub(crate) fn text(&mut self, line: &Line) {
+        let Line {
+            x,
+            y,
+            text,
+            font,
+            paint,
+        } = line;
         let weight = if font.bold { " font-weight=\"600\"" } else { "" };
         let _ = write!(
             self.body,
             "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{weight}{}>{}</text>",
-            number(x),
-            number(y),
+            number(*x),
+            number(*y),
             number(font.size),
             paint.attributes(),
             escaped(text)

@@ -5,8 +5,9 @@ use std::ops::Range;
 use super::change::{Changes, StateChange};
 use super::schema::Relation;
 use super::{Role, Scene};
-use crate::draw::canvas::Area;
+use crate::draw::canvas::{Area, Line};
 use crate::draw::text::{Font, fitted, width, wrapped};
+use crate::draw::theme::{self, Paint};
 
 /// Font of names.
 pub(super) const NAME: Font = Font::bold(14.0);
@@ -28,26 +29,6 @@ const ASPECT: f64 = 2.4;
 /// Greatest factor by which a place grows to fill its row.
 const GROWTH: f64 = 1.6;
 
-/// A line of text with its baseline.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Label {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) text: String,
-    pub(super) font: Font,
-    pub(super) kind: LabelKind,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LabelKind {
-    Name,
-    State,
-    /// A state that began to hold, or an event that happened.
-    New,
-    /// A caption of a group of boxes.
-    Caption,
-}
-
 /// A box with its place in the picture, and everything in it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Block {
@@ -57,7 +38,7 @@ pub(super) struct Block {
     pub(super) icon: bool,
     /// True if it may be taller than its content.
     stretches: bool,
-    pub(super) labels: Vec<Label>,
+    pub(super) labels: Vec<Line>,
     pub(super) children: Vec<Block>,
     /// Number of boxes inside that have no room.
     pub(super) left_out: usize,
@@ -139,7 +120,7 @@ impl<'s> Layout<'s> {
         page.rows(self.blocks(&robots, inner, 0), inner);
         page.rows(self.filled(&places, inner), inner);
         if !(loose.is_empty() || robots.is_empty() && places.is_empty()) {
-            page.label(fitted("without a place", STATE, inner), STATE, LabelKind::Caption);
+            page.label(fitted("without a place", STATE, inner), STATE, theme::MUTED);
         }
         page.rows(self.blocks(&loose, inner, 0), inner);
         page.into_block(None, self.full, GAP)
@@ -200,7 +181,7 @@ impl<'s> Layout<'s> {
         let mut page = Page::new(pad, (pad - 2.0).max(1.0));
         let room = inner.min(TEXT_WIDTH);
         for line in wrapped(&own.name, NAME, room - icon, NAME_LINES) {
-            page.label_at(icon, line, NAME, LabelKind::Name);
+            page.label_at(icon, line, NAME, theme::INK);
         }
         page.tokens(&self.tokens(index), room);
         let mut left_out = 0;
@@ -209,7 +190,7 @@ impl<'s> Layout<'s> {
             if inner < LEAST_INSIDE {
                 left_out = self.inside[index];
                 let text = format!("{left_out} inside");
-                page.label(fitted(&text, STATE, inner), STATE, LabelKind::Caption);
+                page.label(fitted(&text, STATE, inner), STATE, theme::MUTED);
             } else {
                 self.content(&mut page, index, inner, depth, flow);
             }
@@ -235,7 +216,7 @@ impl<'s> Layout<'s> {
                 _ => None,
             };
             if let Some(caption) = caption {
-                page.label(fitted(caption, STATE, inner), STATE, LabelKind::Caption);
+                page.label(fitted(caption, STATE, inner), STATE, theme::MUTED);
             }
             let (places, others): (Vec<usize>, Vec<usize>) = group.iter().partition(|child| is_place(child));
             for part in [places, others] {
@@ -319,7 +300,7 @@ struct Page {
     y: f64,
     /// The right end of the widest content.
     right: f64,
-    labels: Vec<Label>,
+    labels: Vec<Line>,
     children: Vec<Block>,
 }
 
@@ -340,25 +321,25 @@ impl Page {
         }
     }
 
-    fn label(&mut self, text: String, font: Font, kind: LabelKind) {
-        self.label_at(0.0, text, font, kind);
+    fn label(&mut self, text: String, font: Font, paint: Paint) {
+        self.label_at(0.0, text, font, paint);
     }
 
     /// Adds a line of text with an indentation.
-    fn label_at(&mut self, indent: f64, text: String, font: Font, kind: LabelKind) {
-        self.put(self.left + indent, text, font, kind);
+    fn label_at(&mut self, indent: f64, text: String, font: Font, paint: Paint) {
+        self.put(self.left + indent, text, font, paint);
         self.y += font.line_height();
     }
 
     /// Adds a text at the current line.
-    fn put(&mut self, x: f64, text: String, font: Font, kind: LabelKind) {
+    fn put(&mut self, x: f64, text: String, font: Font, paint: Paint) {
         self.right = self.right.max(x + width(&text, font));
-        self.labels.push(Label {
+        self.labels.push(Line {
             x,
             y: self.y + font.size + 1.0,
             text,
             font,
-            kind,
+            paint,
         });
     }
 
@@ -366,7 +347,7 @@ impl Page {
     fn tokens(&mut self, tokens: &[(String, bool)], room: f64) {
         let (mut x, mut lines) = (0.0, 1);
         for (number, (text, new)) in tokens.iter().enumerate() {
-            let kind = if *new { LabelKind::New } else { LabelKind::State };
+            let paint = if *new { theme::CHANGE_INK } else { theme::MUTED };
             let font = if *new { Font { bold: true, ..STATE } } else { STATE };
             let is_last = number + 1 == tokens.len();
             let separator = if is_last { "" } else { " ·" };
@@ -383,7 +364,7 @@ impl Page {
             }
             let shown = fitted(&whole, font, room);
             let advance = width(&shown, font) + width(" ", font);
-            self.put(self.left + x, shown, font, kind);
+            self.put(self.left + x, shown, font, paint);
             x += advance;
         }
         if !tokens.is_empty() {
@@ -397,7 +378,7 @@ impl Page {
         let needed = width(&count, STATE) + width(" ", STATE);
         last.text = fitted(&last.text, last.font, self.left + room - last.x - needed);
         let x = last.x + width(&last.text, last.font) + width(" ", STATE);
-        self.put(x, count, STATE, LabelKind::State);
+        self.put(x, count, STATE, theme::MUTED);
     }
 
     /// Returns the width of the content.
