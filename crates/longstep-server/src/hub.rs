@@ -8,7 +8,7 @@ use longstep::session::{ModelFacts, Settings};
 
 use crate::approval::Approvals;
 use crate::audit::Audit;
-use crate::domains::{Domains, world};
+use crate::domains::Domains;
 use crate::feed::Feed;
 use crate::hosted::{Hosted, resumed};
 use crate::id::{RunId, SessionId};
@@ -214,17 +214,7 @@ impl Hub {
     ///
     /// There is no such scene or domain, or the environment or a rule cannot be read.
     pub fn create(&self, new: &NewSession) -> Result<Arc<Snapshot>, Problem> {
-        let scene = new.scene.as_deref().map(|name| self.domains.scene(name)).transpose()?;
-        let domain = new.domain.as_deref().or(scene.map(|scene| scene.domain.as_str()));
-        let planner = self.domains.planner(domain.unwrap_or("household"))?;
-        let environment = new
-            .environment
-            .as_deref()
-            .or(scene.map(|scene| scene.environment.as_str()));
-        let environment = environment.ok_or_else(|| {
-            Problem::unreadable("a session needs a world").hint("pass `environment`, or the name of a `scene`")
-        })?;
-        let world = world(&planner, environment, &new.rules)?;
+        let (planner, world) = self.place(new)?;
         let session = planner.session(world, self.settings, self.facts())?;
         let id = SessionId::random()?;
         self.store.own(&LogName::Session(id.clone()))?;

@@ -13,9 +13,11 @@
 
 mod approval;
 mod audit;
+mod desk;
 mod domains;
 mod feed;
 mod hosted;
+pub mod http;
 mod hub;
 mod id;
 mod models;
@@ -28,6 +30,7 @@ mod view;
 
 pub use approval::{APPROVAL_LIFETIME, Approval, Approvals, Approved, world_hash};
 pub use audit::{Audit, AuditEntry, Deed};
+pub use desk::Planning;
 pub use domains::{Domains, Scene};
 pub use feed::{Feed, FeedEvent, Happening, Page};
 pub use hub::{Configuration, Hub, NewSession};

@@ -47,6 +47,10 @@ pub struct Waiting {
 }
 
 impl Waiting {
+    pub(crate) fn new(hosted: Arc<Hosted>) -> Self {
+        Self { hosted, is_over: false }
+    }
+
     /// Returns the session as it is now.
     pub fn snapshot(&self) -> Arc<Snapshot> {
         self.hosted.snapshot()
@@ -89,7 +93,7 @@ impl Hub {
     pub fn say(self: &Arc<Self>, id: &SessionId, said: &Said) -> Result<Waiting, Problem> {
         let hosted = self.hosted(id)?;
         self.say_to(&hosted, said)?;
-        Ok(Waiting { hosted, is_over: false })
+        Ok(Waiting::new(hosted))
     }
 
     pub(crate) fn say_to(self: &Arc<Self>, hosted: &Arc<Hosted>, said: &Said) -> Result<(), Problem> {

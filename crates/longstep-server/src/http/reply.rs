@@ -1,0 +1,103 @@
+//! Replies, errors and bodies as JSON.
+
+use std::time::Duration;
+
+use axum::body::{Body, to_bytes};
+use axum::extract::{FromRequest, Request};
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::json;
+
+use crate::problem::{Problem, ProblemKind};
+
+/// The most bytes of a body.
+const LARGEST: usize = 4 << 20;
+
+/// The time in which a body arrives.
+const SLOWEST: Duration = Duration::from_secs(30);
+
+/// A reply as JSON.
+pub(crate) struct Reply<T>(pub(crate) T);
+
+impl<T: Serialize> IntoResponse for Reply<T> {
+    fn into_response(self) -> Response {
+        match serde_json::to_vec(&self.0) {
+            Ok(bytes) => {
+                let kind = (header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
+                ([kind], bytes).into_response()
+            }
+            Err(error) => Problem::new(ProblemKind::Internal, error.to_string()).into_response(),
+        }
+    }
+}
+
+/// Returns the status of a kind of problem.
+pub(crate) fn status(kind: ProblemKind) -> StatusCode {
+    match kind {
+        ProblemKind::Unreadable => StatusCode::BAD_REQUEST,
+        ProblemKind::Unknown => StatusCode::UNAUTHORIZED,
+        ProblemKind::Forbidden => StatusCode::FORBIDDEN,
+        ProblemKind::Missing => StatusCode::NOT_FOUND,
+        ProblemKind::Conflict => StatusCode::CONFLICT,
+        ProblemKind::TooLarge => StatusCode::PAYLOAD_TOO_LARGE,
+        ProblemKind::Busy => StatusCode::SERVICE_UNAVAILABLE,
+        ProblemKind::Failed => StatusCode::BAD_GATEWAY,
+        ProblemKind::Internal => StatusCode::INTERNAL_SERVER_ERROR,
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let body = json!({"error": {"kind": self.kind.name(), "message": self.message, "hint": self.hint}});
+        let mut response = (status(self.kind), Reply(body)).into_response();
+        if self.kind == ProblemKind::Busy {
+            response
+                .headers_mut()
+                .insert(header::RETRY_AFTER, HeaderValue::from_static("2"));
+        }
+        response
+    }
+}
+
+/// A body as JSON. An empty body is an empty object.
+pub(crate) struct Asked<T>(pub(crate) T);
+
+impl<S: Sync, T: DeserializeOwned> FromRequest<S> for Asked<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
+        let kind = request
+            .headers()
+            .get(header::CONTENT_TYPE)
+            .and_then(|kind| kind.to_str().ok());
+        let is_json = kind.is_some_and(|kind| kind.split(';').next().unwrap_or_default().trim() == "application/json");
+        let bytes = body(request.into_body()).await?;
+        if bytes.is_empty() {
+            return read(b"{}").map(Self);
+        }
+        if !is_json {
+            return Err(Problem::unreadable("the body is not JSON").hint("send `Content-Type: application/json`"));
+        }
+        read(&bytes).map(Self)
+    }
+}
+
+async fn body(body: Body) -> Result<Vec<u8>, Problem> {
+    let too_large = || {
+        Problem::new(ProblemKind::TooLarge, format!("a body may have {} MiB", LARGEST >> 20))
+            .hint("send a smaller environment or plan")
+    };
+    match tokio::time::timeout(SLOWEST, to_bytes(body, LARGEST)).await {
+        Ok(Ok(bytes)) => Ok(bytes.to_vec()),
+        Ok(Err(_)) => Err(too_large()),
+        Err(_) => Err(Problem::unreadable("the body did not arrive in 30 seconds")),
+    }
+}
+
+fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+    serde_json::from_slice(bytes).map_err(|error| {
+        Problem::unreadable(format!("the body cannot be read: {error}")).hint("`/openapi.json` describes the requests")
+    })
+}
