@@ -33,6 +33,8 @@ const NUMBER_LENGTH: usize = 12;
 pub(super) struct Form {
     /// The text, with all that is decided on.
     pub(super) message: String,
+    /// The title of the field for a yes.
+    pub(super) yes: &'static str,
     /// The hash of it, which the form has to come back with.
     pub(super) hash: String,
     /// All that the decision is bound to. A decision counts only while it is the same.
@@ -44,8 +46,10 @@ pub(super) struct Form {
 pub(super) enum Decision {
     /// A person approves.
     Approved,
-    /// The form came back without a yes.
-    Refused(&'static str),
+    /// A person says no.
+    Declined(&'static str),
+    /// The form came back without a decision.
+    Void(&'static str),
     /// No person has seen the form.
     NobodyAsked(&'static str),
 }
@@ -134,7 +138,7 @@ impl Consent {
                 Err(_) if asked_at.elapsed() >= self.lifetime => Decision::NobodyAsked("nobody answered the form in time"),
                 Err(_) => Decision::NobodyAsked("the client could not show the form"),
             },
-            () = caller.cancelled.cancelled() => Decision::Refused("the call was cancelled"),
+            () = caller.cancelled.cancelled() => Decision::Void("the call was cancelled"),
         }
     }
 
@@ -212,19 +216,19 @@ fn parameters(form: &Form) -> ElicitRequestParams {
     ElicitRequestParams::FormElicitationParams {
         meta: None,
         message: form.message.clone(),
-        requested_schema: schema(&form.hash),
+        requested_schema: schema(form.yes, &form.hash),
     }
 }
 
 /// Returns the schema of the form: two plain fields, as clients support them.
-fn schema(hash: &str) -> ElicitationSchema {
+fn schema(yes: &str, hash: &str) -> ElicitationSchema {
     let schema = json!({
         "type": "object",
         "properties": {
             "approve": {
                 "type": "boolean",
-                "title": "Approve",
-                "description": "Let the robot do this.",
+                "title": yes,
+                "description": "Set this only if you have read the text above and agree.",
                 "default": false,
             },
             "plan": {
@@ -243,18 +247,20 @@ fn schema(hash: &str) -> ElicitationSchema {
 fn decision(answer: &ElicitResult, elapsed: Duration, hash: &str) -> Decision {
     let content = answer.content.as_ref();
     let field = |name: &str| content.and_then(|content| content.get(name));
-    match answer.action {
-        ElicitationAction::Accept => match (field("approve"), field("plan").and_then(Value::as_str)) {
-            (None, None) => Decision::Refused("the form came back empty, so no person has decided"),
-            (Some(Value::Bool(true)), Some(plan)) if plan == hash => Decision::Approved,
-            (Some(Value::Bool(true)), _) => Decision::Refused("the form names another plan"),
-            _ => Decision::Refused("the person did not approve"),
-        },
+    match (&answer.action, field("approve"), field("plan")) {
+        (ElicitationAction::Accept, Some(Value::Bool(true)), Some(Value::String(plan))) if plan == hash => {
+            Decision::Approved
+        }
+        (ElicitationAction::Accept, Some(Value::Bool(true)), _) => {
+            Decision::Void("the form came back with another hash")
+        }
+        (ElicitationAction::Accept, Some(Value::Bool(false)), _) => Decision::Declined("the person did not approve"),
+        (ElicitationAction::Accept, ..) => Decision::Void("the form came back empty, so no person has decided"),
         _ if elapsed < FASTEST_PERSON => {
             Decision::NobodyAsked("the client refused at once, before a person could read the form")
         }
-        ElicitationAction::Decline => Decision::Refused("the person declined"),
-        _ => Decision::Refused("the person closed the form without a decision"),
+        (ElicitationAction::Decline, ..) => Decision::Declined("the person declined"),
+        _ => Decision::Void("the form was closed without a decision"),
     }
 }
 
@@ -265,85 +271,49 @@ mod tests {
     #[test]
     fn only_a_form_with_approve_and_its_hash_is_a_yes() {
         let (fast, slow) = (Duration::from_millis(200), Duration::from_secs(3));
-        let refused = |why| Decision::Refused(why);
+        let empty = Decision::Void("the form came back empty, so no person has decided");
+        let other = Decision::Void("the form came back with another hash");
+        let nobody = Decision::NobodyAsked("the client refused at once, before a person could read the form");
+        let accept = |content: Value| json!({"action": "accept", "content": content});
         for (answer, elapsed, expected) in [
-            (json!({"action": "accept", "content": {"approve": true, "plan": "h"}}), slow, Decision::Approved),
-            (json!({"action": "accept", "content": {"approve": true, "plan": "h"}}), fast, Decision::Approved),
+            (accept(json!({"approve": true, "plan": "h"})), slow, &Decision::Approved),
+            (accept(json!({"approve": true, "plan": "h"})), fast, &Decision::Approved),
+            (accept(json!({"approve": true, "plan": "g"})), slow, &other),
+            (accept(json!({"approve": true, "plan": ["h"]})), slow, &other),
+            (accept(json!({"approve": true})), slow, &other),
+            (accept(json!({"approve": "true", "plan": "h"})), slow, &empty),
+            (accept(json!({"approve": 1, "plan": "h"})), slow, &empty),
+            (accept(json!({"plan": "h"})), slow, &empty),
+            (accept(json!({})), slow, &empty),
+            (accept(json!(true)), fast, &empty),
+            (json!({"action": "accept"}), fast, &empty),
             (
-                json!({"action": "accept", "content": {"approve": true, "plan": "g"}}),
+                accept(json!({"approve": false, "plan": "h"})),
                 slow,
-                refused("the form names another plan"),
+                &Decision::Declined("the person did not approve"),
             ),
-            (
-                json!({"action": "accept", "content": {"approve": true}}),
-                slow,
-                refused("the form names another plan"),
-            ),
-            (
-                json!({"action": "accept", "content": {"approve": "true", "plan": "h"}}),
-                slow,
-                refused("the person did not approve"),
-            ),
-            (
-                json!({"action": "accept", "content": {"approve": 1, "plan": "h"}}),
-                slow,
-                refused("the person did not approve"),
-            ),
-            (
-                json!({"action": "accept", "content": {"approve": false, "plan": "h"}}),
-                slow,
-                refused("the person did not approve"),
-            ),
-            (
-                json!({"action": "accept", "content": {"plan": "h"}}),
-                slow,
-                refused("the person did not approve"),
-            ),
-            (
-                json!({"action": "accept", "content": {}}),
-                slow,
-                refused("the form came back empty, so no person has decided"),
-            ),
-            (
-                json!({"action": "accept"}),
-                fast,
-                refused("the form came back empty, so no person has decided"),
-            ),
-            (
-                json!({"action": "accept", "content": true}),
-                fast,
-                refused("the form came back empty, so no person has decided"),
-            ),
-            (json!({"action": "decline"}), slow, refused("the person declined")),
+            (json!({"action": "decline"}), slow, &Decision::Declined("the person declined")),
             (
                 json!({"action": "decline", "content": {"approve": true, "plan": "h"}}),
                 slow,
-                refused("the person declined"),
+                &Decision::Declined("the person declined"),
             ),
             (
                 json!({"action": "cancel"}),
                 slow,
-                refused("the person closed the form without a decision"),
+                &Decision::Void("the form was closed without a decision"),
             ),
-            (
-                json!({"action": "decline"}),
-                fast,
-                Decision::NobodyAsked("the client refused at once, before a person could read the form"),
-            ),
-            (
-                json!({"action": "cancel"}),
-                fast,
-                Decision::NobodyAsked("the client refused at once, before a person could read the form"),
-            ),
+            (json!({"action": "decline"}), fast, &nobody),
+            (json!({"action": "cancel"}), fast, &nobody),
         ] {
             let read: ElicitResult = serde_json::from_value(answer.clone()).unwrap();
-            assert_eq!(decision(&read, elapsed, "h"), expected, "{answer} after {elapsed:?}");
+            assert_eq!(&decision(&read, elapsed, "h"), expected, "{answer} after {elapsed:?}");
         }
     }
 
     #[test]
     fn form_has_two_plain_fields_and_defaults_to_no() {
-        let schema = serde_json::to_value(schema("abc")).unwrap();
+        let schema = serde_json::to_value(schema("Approve", "abc")).unwrap();
         assert_eq!(schema["properties"]["approve"]["default"], json!(false));
         assert_eq!(schema["properties"]["plan"]["default"], json!("abc"));
         assert_eq!(schema["required"], json!(["approve", "plan"]));
