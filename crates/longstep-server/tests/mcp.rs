@@ -7,9 +7,9 @@ mod support;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use longstep_robot::SimOptions;
+use longstep_core::execution::{Approval, Settings};
 use longstep_server::mcp::{McpOptions, serve};
-use longstep_server::{Body, Deed, Hub, NewSession, RunId, SessionId};
+use longstep_server::{Body, Deed, Hub, NewSession, RobotEntry, RunId, RunView, SessionId};
 use rmcp::model::{
     CallToolRequestParams, CallToolResponse, CallToolResult, ClientCapabilities, ClientConfig, ElicitRequestParams,
     ElicitResult, ErrorData, Implementation, InputResponses, ProtocolVersion, ReadResourceRequestParams,
@@ -75,7 +75,8 @@ impl ClientHandler for Client {
         _: RequestContext<RoleClient>,
     ) -> Result<ElicitResult, ErrorData> {
         let form = serde_json::to_value(&request).unwrap();
-        assert!(form["message"].as_str().unwrap().contains("1. "), "{form}");
+        let message = form["message"].as_str().unwrap();
+        assert!(message.contains("Robot: sim") && message.contains("Instruction: Put the"), "{message}");
         assert_eq!(form["requestedSchema"]["properties"]["approve"]["default"], json!(false));
         if self.person == Person::Declines {
             tokio::time::sleep(Duration::from_millis(1_100)).await;
@@ -111,9 +112,12 @@ fn options() -> McpOptions {
 }
 
 async fn served_with(options: McpOptions, sim: &str, era: Era, person: Person) -> Served {
+    served_on(options, simulated("sim", sim.parse().unwrap(), Body::PerSession), era, person).await
+}
+
+async fn served_on(options: McpOptions, robot: RobotEntry, era: Era, person: Person) -> Served {
     let folder = tempfile::tempdir().unwrap();
-    let sim: SimOptions = sim.parse().unwrap();
-    let hub = hub(&folder, vec![simulated("sim", sim, Body::PerSession)]);
+    let hub = hub(&folder, vec![robot]);
     let client = connected(&hub, options, era, person).await;
     Served {
         _folder: folder,
@@ -388,6 +392,58 @@ async fn stop_pause_and_status_work_while_a_run_goes_on() {
         let text = served.refused("pause", of_run).await;
         assert!(text.contains("has ended"), "{text}");
         assert_eq!(served.done("stop", json!({"run": run["id"]})).await["stopped"], 0);
+    }
+}
+
+/// Begins a run whose steps a person has to approve, and returns it with the first question.
+async fn asking(served: &Served) -> RunView {
+    let plan = served.planned("Put the pen on the shelf").await;
+    let (hub, id, hash) = (&served.hub, session_of(&plan), plan["hash"].as_str().unwrap());
+    hub.accept(&id, hash, "page").unwrap();
+    let approval = hub.approve(&id, hash, "sim", "page", Duration::from_secs(60)).unwrap();
+    let run = hub.start(&approval.id, false, "page").unwrap().record.id.clone();
+    (*support::until(hub, &run, |view| view.question.is_some())).clone()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn question_of_a_run_is_decided_by_a_person() {
+    for era in ERAS {
+        for (person, expected, is_decided) in [
+            (Person::Approves, None, true),
+            (Person::LeavesApproveUnset, None, true),
+            (Person::Declines, None, true),
+            (Person::ApprovesAnotherHash, Some("another hash"), false),
+            (Person::ClientAcceptsEmpty, Some("came back empty"), false),
+            (Person::ClientDeclines, Some("Nobody was asked"), false),
+            (Person::NoForms, Some("Nobody was asked"), false),
+        ] {
+            let steps = Settings::default().with_approval(Approval::EachStep);
+            let robot = simulated("sim", Default::default(), Body::PerSession).with_settings(steps);
+            let served = served_on(options(), robot, era, person).await;
+            let view = asking(&served).await;
+            let question = view.question.unwrap().id;
+            let run = view.record.id.as_str();
+            let status = served.call("run_status", json!({ "run": run })).await;
+            assert!(text(&status).contains(&question), "{}", text(&status));
+            let wrong = served.refused("decide", json!({"run": run, "question": "0123"})).await;
+            assert!(wrong.contains("asks something else"), "{wrong}");
+            let asked = json!({"run": run, "question": question});
+            match expected {
+                Some(expected) => {
+                    let text = served.refused("decide", asked).await;
+                    assert!(text.contains(expected), "{era:?} {person:?}: {text}");
+                }
+                None => drop(served.done("decide", asked).await),
+            }
+            let entries = served.hub.audit().last(usize::MAX).unwrap();
+            let decided = entries.iter().find_map(|entry| match &entry.deed {
+                Deed::Decided { yes, .. } => Some(*yes),
+                _ => None,
+            });
+            let yes = is_decided.then_some(person == Person::Approves);
+            assert_eq!(decided, yes, "{era:?} {person:?}");
+            served.hub.stop_all("page").unwrap();
+        }
     }
 }
 

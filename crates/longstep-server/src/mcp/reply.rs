@@ -4,7 +4,7 @@ use rmcp::model::{CallToolResponse, CallToolResult, ContentBlock, InputRequiredR
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::problem::Problem;
+use crate::problem::{Problem, ProblemKind};
 
 /// The result of a tool.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub(super) enum Reply {
 impl Reply {
     pub(super) fn new(text: impl Into<String>, data: &impl Serialize) -> Result<Self, Problem> {
         let data = serde_json::to_value(data);
-        let data = data.map_err(|error| Problem::new(crate::ProblemKind::Internal, error.to_string()))?;
+        let data = data.map_err(|error| Problem::new(ProblemKind::Internal, error.to_string()))?;
         Ok(Self::Done {
             text: text.into(),
             data,
@@ -45,12 +45,24 @@ pub(super) fn response(result: Result<Reply, Problem>) -> CallToolResponse {
 }
 
 fn refusal(problem: &Problem) -> CallToolResult {
-    let hint = problem.hint.as_deref();
-    let next = hint.map_or(String::new(), |hint| format!("\nNext step: {hint}"));
-    let mut result = CallToolResult::error(vec![ContentBlock::text(format!("{}{next}", problem.message))]);
-    let error = json!({"kind": problem.kind.name(), "message": problem.message, "hint": problem.hint});
+    let hint = problem.hint.as_deref().unwrap_or_else(|| usual_hint(problem.kind));
+    let text = format!("{}\nNext step: {hint}", problem.message);
+    let mut result = CallToolResult::error(vec![ContentBlock::text(text)]);
+    let error = json!({"kind": problem.kind.name(), "message": problem.message, "hint": hint});
     result.structured_content = Some(json!({ "error": error }));
     result
+}
+
+/// Returns the next step after a problem that names none.
+fn usual_hint(kind: ProblemKind) -> &'static str {
+    match kind {
+        ProblemKind::Unreadable | ProblemKind::TooLarge => "correct the arguments, and call the tool again",
+        ProblemKind::Unknown | ProblemKind::Forbidden => "ask the person",
+        ProblemKind::Missing => "use an id that a tool of this server returned",
+        ProblemKind::Conflict => "call `explain` for the plan, or `run_status` for the run, to see its state",
+        ProblemKind::Busy => "wait some seconds, and call the tool again",
+        ProblemKind::Failed | ProblemKind::Internal => "tell the person; the same call may work later",
+    }
 }
 
 /// Returns a heading with its lines below it, or nothing without lines.

@@ -1,6 +1,6 @@
 //! A server for tests: a model that answers from a table, and simulated robots.
 
-#![allow(dead_code, clippy::unwrap_used, missing_docs)]
+#![allow(dead_code, clippy::unwrap_used, missing_docs, unreachable_pub)]
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
