@@ -60,7 +60,12 @@ fn main() {
 fn hub(folder: &Path) -> Arc<Hub> {
     let open = || Ok(Box::new(support::Scripted(support::TABLE.to_vec())) as Box<dyn ChatModel>);
     let models = Models::open(Arc::new(open), 1, 8).unwrap();
-    let scenes = vec![Scene::new("desk", "household", support::DESK, "Put the pen on the shelf")];
+    let scenes = vec![Scene::new(
+        "desk",
+        "household",
+        support::DESK,
+        "Put the pen on the shelf",
+    )];
     let store = Arc::new(FileStore::open(&folder.join("sessions")).unwrap());
     let options: SimOptions = "seed=1,pace=20".parse().unwrap();
     let robots = vec![support::simulated("sim", options, Body::PerSession)];
@@ -89,7 +94,10 @@ fn obey(hub: &Hub, control: &Path) {
 }
 
 fn serve_http(hub: Arc<Hub>, options: McpOptions) {
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()
+        .unwrap();
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         eprintln!("http://{}/mcp", listener.local_addr().unwrap());

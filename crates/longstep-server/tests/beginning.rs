@@ -21,14 +21,22 @@ fn one_plan_begins_one_run_whatever_the_number_of_approvals() {
         let snapshot = runtime().block_on(hub.say(&id, &said).unwrap().turn());
         let plan = snapshot.view.proposal.as_ref().unwrap().plan.clone();
         hub.accept(&id, &plan, "ada").unwrap();
-        let approve = |_| hub.approve(&id, &plan, "sim", "ada", Duration::from_secs(60)).unwrap().id;
+        let approve = |_| {
+            hub.approve(&id, &plan, "sim", "ada", Duration::from_secs(60))
+                .unwrap()
+                .id
+        };
         let approvals: Vec<_> = (0..4).map(approve).collect();
         let begun = std::thread::scope(|scope| {
             let starts: Vec<_> = approvals
                 .iter()
                 .map(|approval| scope.spawn(|| hub.start(approval, false, "ada").is_ok()))
                 .collect();
-            starts.into_iter().map(|start| start.join().unwrap()).filter(|begun| *begun).count()
+            starts
+                .into_iter()
+                .map(|start| start.join().unwrap())
+                .filter(|begun| *begun)
+                .count()
         });
         assert_eq!(begun, 1);
     }

@@ -8,14 +8,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use longstep_core::execution::{Approval, Settings};
-use longstep_server::mcp::{McpOptions, serve};
+use longstep_server::mcp::{McpOptions, http_service, serve};
 use longstep_server::{Body, Deed, Hub, NewSession, RobotEntry, RunId, RunView, SessionId};
+use rmcp::ClientHandler;
 use rmcp::model::{
     CallToolRequestParams, CallToolResponse, CallToolResult, ClientCapabilities, ClientConfig, ElicitRequestParams,
     ElicitResult, ErrorData, Implementation, InputResponses, ProtocolVersion, ReadResourceRequestParams,
 };
 use rmcp::service::{ClientLifecycleMode, ClientServiceExt, RequestContext, RoleClient, RunningService};
-use rmcp::ClientHandler;
 use serde_json::{Value, json};
 use support::{hub, simulated};
 
@@ -76,8 +76,14 @@ impl ClientHandler for Client {
     ) -> Result<ElicitResult, ErrorData> {
         let form = serde_json::to_value(&request).unwrap();
         let message = form["message"].as_str().unwrap();
-        assert!(message.contains("Robot: sim") && message.contains("Instruction: Put the"), "{message}");
-        assert_eq!(form["requestedSchema"]["properties"]["approve"]["default"], json!(false));
+        assert!(
+            message.contains("Robot: sim") && message.contains("Instruction: Put the"),
+            "{message}"
+        );
+        assert_eq!(
+            form["requestedSchema"]["properties"]["approve"]["default"],
+            json!(false)
+        );
         if self.person == Person::Declines {
             tokio::time::sleep(Duration::from_millis(1_100)).await;
         }
@@ -112,7 +118,13 @@ fn options() -> McpOptions {
 }
 
 async fn served_with(options: McpOptions, sim: &str, era: Era, person: Person) -> Served {
-    served_on(options, simulated("sim", sim.parse().unwrap(), Body::PerSession), era, person).await
+    served_on(
+        options,
+        simulated("sim", sim.parse().unwrap(), Body::PerSession),
+        era,
+        person,
+    )
+    .await
 }
 
 async fn served_on(options: McpOptions, robot: RobotEntry, era: Era, person: Person) -> Served {
@@ -131,7 +143,9 @@ async fn served(era: Era, person: Person) -> Served {
 }
 
 fn request(tool: &'static str, arguments: Value) -> CallToolRequestParams {
-    let Value::Object(arguments) = arguments else { panic!("{arguments}") };
+    let Value::Object(arguments) = arguments else {
+        panic!("{arguments}")
+    };
     CallToolRequestParams::new(tool).with_arguments(arguments)
 }
 
@@ -156,7 +170,8 @@ impl Served {
     async fn refused(&self, tool: &'static str, arguments: Value) -> String {
         let result = self.call(tool, arguments).await;
         assert_eq!(result.is_error, Some(true), "{tool}: {}", text(&result));
-        assert!(result.structured_content.as_ref().unwrap()["error"]["kind"].is_string());
+        assert_eq!(result.structured_content, None);
+        assert!(result.meta.as_ref().unwrap().0["io.github.longstep/error"]["kind"].is_string());
         let text = text(&result);
         assert!(text.contains("Next step: "), "{text}");
         text
@@ -171,7 +186,9 @@ impl Served {
     /// Waits until a run has ended.
     async fn ended(&self, run: &Value) -> Value {
         for _ in 0..20 {
-            let view = self.done("run_status", json!({"run": run["id"], "wait_seconds": 5})).await;
+            let view = self
+                .done("run_status", json!({"run": run["id"], "wait_seconds": 5}))
+                .await;
             if !view["end"].is_null() {
                 return view;
             }
@@ -182,7 +199,9 @@ impl Served {
     /// Returns the numbers of approvals, starts and refusals in the audit log.
     fn counts(&self) -> (usize, usize, usize) {
         let entries = self.hub.audit().last(usize::MAX).unwrap();
-        let ours = entries.iter().all(|entry| entry.by == "mcp:tester" || entry.by == "page");
+        let ours = entries
+            .iter()
+            .all(|entry| entry.by == "mcp:tester" || entry.by == "page");
         assert!(ours, "{entries:?}");
         let count = |is: fn(&Deed) -> bool| entries.iter().filter(|entry| is(&entry.deed)).count();
         (
@@ -262,9 +281,15 @@ async fn another_hash_id_world_or_robot_is_refused_before_anybody_is_asked() {
         let plan = served.planned("Put the pen on the shelf").await;
         let (id, hash) = (&plan["plan_id"], &plan["hash"]);
         for (arguments, expected) in [
-            (json!({"plan_id": id, "hash": "0123"}), "the hash is not that of the plan"),
+            (
+                json!({"plan_id": id, "hash": "0123"}),
+                "the hash is not that of the plan",
+            ),
             (json!({"plan_id": "plan-0123", "hash": hash}), "no plan_id"),
-            (json!({"plan_id": id, "hash": hash, "robot": "arm"}), "there is no robot `arm`"),
+            (
+                json!({"plan_id": id, "hash": hash, "robot": "arm"}),
+                "there is no robot `arm`",
+            ),
             (json!({"plan_id": id}), "the arguments cannot be read"),
         ] {
             let text = served.refused("execute_plan", arguments).await;
@@ -299,12 +324,18 @@ async fn plan_id_expires() {
 
 /// Asks to carry a plan out, and returns the form's state and its answer by a person who approves.
 async fn form(served: &Served, plan: &Value) -> (String, InputResponses) {
-    let asked = served.client.peer().call_tool_once(request("execute_plan", executing(plan)));
+    let asked = served
+        .client
+        .peer()
+        .call_tool_once(request("execute_plan", executing(plan)));
     let CallToolResponse::InputRequired(asked) = asked.await.unwrap() else {
         panic!("nobody is asked");
     };
     let answer = Person::Approves.answer(&plan["hash"]);
-    (asked.request_state.unwrap(), InputResponses::from([("approval".to_owned(), answer)]))
+    (
+        asked.request_state.unwrap(),
+        InputResponses::from([("approval".to_owned(), answer)]),
+    )
 }
 
 async fn answered(served: &Served, plan: &Value, state: &str, responses: InputResponses) -> CallToolResult {
@@ -328,7 +359,12 @@ async fn state_that_is_tampered_foreign_expired_or_replayed_is_refused() {
     let mut tampered = state.clone().into_bytes();
     let middle = tampered.len() / 2;
     tampered[middle] = if tampered[middle] == b'A' { b'B' } else { b'A' };
-    for wrong in [String::from_utf8(tampered).unwrap(), foreign, String::new(), "rs2.a.b".to_owned()] {
+    for wrong in [
+        String::from_utf8(tampered).unwrap(),
+        foreign,
+        String::new(),
+        "rs2.a.b".to_owned(),
+    ] {
         let text = text(&answered(&served, &plan, &wrong, answer.clone()).await);
         assert!(text.contains("not one of this server"), "{text}");
     }
@@ -374,7 +410,9 @@ async fn stop_pause_and_status_work_while_a_run_goes_on() {
         let run = served.done("execute_plan", executing(&plan)).await;
         let of_run = json!({"run": run["id"]});
         served.done("pause", of_run.clone()).await;
-        let paused = served.done("run_status", json!({"run": run["id"], "wait_seconds": 10})).await;
+        let paused = served
+            .done("run_status", json!({"run": run["id"], "wait_seconds": 10}))
+            .await;
         assert_eq!(paused["state"], "paused");
         served.done("resume", of_run.clone()).await;
         // The pause of a person is theirs.
@@ -475,7 +513,10 @@ async fn session_is_planned_in_asked_about_revised_and_discarded() {
         let start = served.done("describe_world", json!({})).await;
         assert_eq!((&start["session"], &start["robots"]), (&Value::Null, &json!(["sim"])));
         let question = served.planned("Put it somewhere").await;
-        assert_eq!((&question["state"], &question["plan_id"]), (&json!("question"), &Value::Null));
+        assert_eq!(
+            (&question["state"], &question["plan_id"]),
+            (&json!("question"), &Value::Null)
+        );
         let plan = served.done("answer", json!({"answer": "the pen on the shelf"})).await;
         assert_eq!(plan["state"], "plan");
         let out_of_turn = served.refused("answer", json!({"answer": "yes"})).await;
@@ -501,8 +542,17 @@ async fn written_plans_are_verified_and_repaired() {
     assert_eq!(invalid["status"], "invalid");
     let repaired = served.done("repair", json!({"plan": plan.to_string()})).await;
     assert_eq!(repaired["status"], "verified");
-    assert_eq!(served.done("verify", json!({"plan": repaired["plan"]})).await["status"], "verified");
-    assert!(!served.call("verify", json!({"plan": "no plan at all"})).await.content.is_empty());
+    assert_eq!(
+        served.done("verify", json!({"plan": repaired["plan"]})).await["status"],
+        "verified"
+    );
+    assert!(
+        !served
+            .call("verify", json!({"plan": "no plan at all"}))
+            .await
+            .content
+            .is_empty()
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -511,7 +561,12 @@ async fn resources_are_the_world_and_the_plan() {
     assert_eq!(served.client.list_all_resources().await.unwrap().len(), 2);
     let read = async |uri: &str| {
         let read = served.client.read_resource(ReadResourceRequestParams::new(uri)).await;
-        read.map(|read| serde_json::to_value(&read.contents[0]).unwrap()["text"].as_str().unwrap().to_owned())
+        read.map(|read| {
+            serde_json::to_value(&read.contents[0]).unwrap()["text"]
+                .as_str()
+                .unwrap()
+                .to_owned()
+        })
     };
     assert!(read("longstep://plan").await.is_err());
     assert!(read("file:///etc/passwd").await.is_err());
@@ -520,4 +575,77 @@ async fn resources_are_the_world_and_the_plan() {
     let file: Value = serde_json::from_str(&read(&uri).await.unwrap()).unwrap();
     assert!(file["task_cohesion"].is_object(), "{file}");
     assert!(read("longstep://world").await.unwrap().contains("<pen>"));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn stop_is_not_held_up_and_a_cancelled_call_ends_its_work() {
+    for era in ERAS {
+        let served = served_with(options(), "ticks=100,pace=50", era, Person::Approves).await;
+        let plan = served.planned("Put the pen on the shelf").await;
+        let run = served.done("execute_plan", executing(&plan)).await;
+        let peer = served.client.peer().clone();
+        // A model that does not answer, and more work than there are workers.
+        let begin = |tool, arguments| {
+            let peer = peer.clone();
+            tokio::spawn(async move { peer.call_tool_once(request(tool, arguments)).await.map(drop) })
+        };
+        let waiting = begin("plan", json!({"instruction": "wait for me", "session": plan["id"]}));
+        let busy: Vec<_> = (0..64)
+            .map(|_| begin("explain", json!({"session": plan["id"]})))
+            .collect();
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        let began = Instant::now();
+        assert_eq!(served.done("stop", json!({})).await["stopped"], 1);
+        assert!(began.elapsed() < Duration::from_millis(500), "{:?}", began.elapsed());
+        assert_eq!(served.ended(&run).await["state"], "stopped");
+        for call in busy {
+            call.await.unwrap().unwrap();
+        }
+        // The client takes its call back.
+        let id = session_of(&plan);
+        assert_eq!(served.hub.session(&id).unwrap().view.state, "thinking");
+        waiting.abort();
+        let mut tries = 0;
+        while served.hub.session(&id).unwrap().view.state == "thinking" {
+            tokio::time::sleep(Duration::from_millis(10)).await;
+            tries += 1;
+            assert!(tries < 500, "{era:?}");
+        }
+    }
+}
+
+/// Sends a request over HTTP and returns the status.
+async fn status(address: std::net::SocketAddr, headers: &str) -> u16 {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    let body = r#"{"jsonrpc":"2.0","id":1,"method":"initialize","params":{"protocolVersion":"2025-11-25","capabilities":{},"clientInfo":{"name":"x","version":"1"}}}"#;
+    let mut stream = tokio::net::TcpStream::connect(address).await.unwrap();
+    let head = format!(
+        "POST /mcp HTTP/1.1\r\n{headers}Accept: application/json, text/event-stream\r\nContent-Type: application/json\r\n\
+         Content-Length: {}\r\nConnection: close\r\n\r\n{body}",
+        body.len()
+    );
+    stream.write_all(head.as_bytes()).await.unwrap();
+    let mut answer = [0; 12];
+    stream.read_exact(&mut answer).await.unwrap();
+    String::from_utf8_lossy(&answer)[9..].parse().unwrap()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn other_hosts_and_web_pages_are_refused_over_http() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = options().with_origins(vec!["http://localhost:8734".to_owned()]);
+    let service = http_service(hub(&folder, Vec::new()), options).unwrap();
+    let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap();
+    let router: axum::Router = axum::Router::new().nest_service("/mcp", service);
+    tokio::spawn(async move { axum::serve(listener, router).await });
+    for (headers, expected) in [
+        ("Host: 127.0.0.1\r\n", 200),
+        ("Host: localhost:8734\r\nOrigin: http://localhost:8734\r\n", 200),
+        ("Host: rebound.example\r\n", 403),
+        ("Host: 127.0.0.1\r\nOrigin: http://evil.example\r\n", 403),
+        ("Host: 127.0.0.1\r\nOrigin: null\r\n", 403),
+    ] {
+        assert_eq!(status(address, headers).await, expected, "{headers}");
+    }
 }

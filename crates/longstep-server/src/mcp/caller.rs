@@ -1,6 +1,6 @@
 //! The client that calls, and its era of the protocol.
 
-use rmcp::model::ClientCapabilities;
+use rmcp::model::{ClientCapabilities, ProgressNotificationParam, ProgressToken};
 use rmcp::service::{Peer, RequestContext, RoleServer};
 use tokio_util::sync::CancellationToken;
 
@@ -20,6 +20,8 @@ pub(super) struct Caller {
     pub(super) peer: Peer<RoleServer>,
     /// Cancelled when the client takes its call back.
     pub(super) cancelled: CancellationToken,
+    /// The name of the call in reports of its progress; none if the client wants no reports.
+    progress: Option<ProgressToken>,
 }
 
 impl Caller {
@@ -32,6 +34,16 @@ impl Caller {
             shows_forms: context.client_capabilities().is_some_and(|own| shows_forms(&own)),
             peer: context.peer.clone(),
             cancelled: context.ct.clone(),
+            progress: context.meta.get_progress_token(),
+        }
+    }
+
+    /// Reports the progress of a call, if the client wants that. Clients wait longer for calls with reports.
+    pub(super) async fn report(&self, number: u32, text: &str) {
+        if let Some(token) = &self.progress {
+            let report = ProgressNotificationParam::new(token.clone(), f64::from(number)).with_message(text);
+            // A client that has gone needs no report.
+            let _ = self.peer.notify_progress(report).await;
         }
     }
 }

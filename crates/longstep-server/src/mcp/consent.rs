@@ -292,7 +292,11 @@ mod tests {
                 slow,
                 &Decision::Declined("the person did not approve"),
             ),
-            (json!({"action": "decline"}), slow, &Decision::Declined("the person declined")),
+            (
+                json!({"action": "decline"}),
+                slow,
+                &Decision::Declined("the person declined"),
+            ),
             (
                 json!({"action": "decline", "content": {"approve": true, "plan": "h"}}),
                 slow,

@@ -90,8 +90,10 @@ impl Shared {
         let next = view.accepted.iter().find(|own| own.pending);
         match (&snapshot.next, next) {
             (Some(accepted), Some(next)) if next.plan == offer.plan => Ok(&accepted.plan),
-            _ => Err(Problem::conflict("the plan is not the next one of its session any more")
-                .hint("call `explain` for the plan that is, or `plan` for a new one")),
+            _ => Err(
+                Problem::conflict("the plan is not the next one of its session any more")
+                    .hint("call `explain` for the plan that is, or `plan` for a new one"),
+            ),
         }
     }
 
@@ -105,8 +107,7 @@ impl Shared {
                 .hint("a person starts the server with `--robot`; the plan can only be shown")),
             (None, robots) => {
                 let names: Vec<&str> = robots.iter().map(|robot| robot.name.as_str()).collect();
-                Err(Problem::conflict("there are several robots")
-                    .hint(format!("pass `robot`: {}", names.join(", "))))
+                Err(Problem::conflict("there are several robots").hint(format!("pass `robot`: {}", names.join(", "))))
             }
         }
     }
@@ -148,7 +149,9 @@ impl Shared {
             return self.show(&snapshot);
         }
         let lifetime = self.options.approval_lifetime;
-        let approval = self.hub.approve(&offer.session, &offer.plan, &ready.robot, by, lifetime)?;
+        let approval = self
+            .hub
+            .approve(&offer.session, &offer.plan, &ready.robot, by, lifetime)?;
         let run = self.hub.start(&approval.id, false, by)?;
         self.add_begun(run.record.id.clone());
         self.show_run(&run)
@@ -167,11 +170,17 @@ impl Shared {
                  `{}` in session {}; then call `run_status` with this session",
                 offer.plan, ready.robot, offer.session
             ),
-            None => "ask the person to use a client that shows forms (elicitation), or to start this server with a page; \
+            None => {
+                "ask the person to use a client that shows forms (elicitation), or to start this server with a page; \
                      the plan can be carried out from there"
-                .to_owned(),
+                    .to_owned()
+            }
         };
-        let waits = if ready.is_rule { "" } else { " The plan is accepted and waits." };
+        let waits = if ready.is_rule {
+            ""
+        } else {
+            " The plan is accepted and waits."
+        };
         Err(Problem::new(
             ProblemKind::Forbidden,
             format!("Nobody was asked: {why}. Nothing has moved.{waits}"),
@@ -200,14 +209,20 @@ fn message(snapshot: &Snapshot, plan: &VerifiedPlan, hash: &str, robot: &str, is
         (Some(proposal), _) => {
             let question = snapshot.view.question.iter();
             let instruction = snapshot.view.instruction.clone().unwrap_or_default();
-            (instruction, format!("{}{}", section("Question", question), text::remarks(&proposal.answer)))
+            (
+                instruction,
+                format!("{}{}", section("Question", question), text::remarks(&proposal.answer)),
+            )
         }
         (None, Some(accepted)) => {
             let assumptions = assumptions(plan);
             let remarks = [
                 section("Goal", goal_of(accepted)),
                 section("Assumed", assumptions),
-                section("Words of the instruction that the plan does not say", &accepted.not_in_plan),
+                section(
+                    "Words of the instruction that the plan does not say",
+                    &accepted.not_in_plan,
+                ),
             ];
             (accepted.instruction.clone(), remarks.concat())
         }
@@ -238,8 +253,8 @@ impl Face {
         let by = caller.by.clone();
         self.work(move |shared| {
             let offer = &ready.offer;
-            let decision = decision
-                .inspect_err(|problem| shared.refused(&by, &offer.session, &offer.plan, &problem.message))?;
+            let decision =
+                decision.inspect_err(|problem| shared.refused(&by, &offer.session, &offer.plan, &problem.message))?;
             match decision {
                 Asked::Later(later) => Ok(Reply::Asked(later)),
                 Asked::Decided(Decision::Approved) => shared.approved(&asked, &ready, &by),
@@ -281,8 +296,11 @@ impl Face {
 }
 
 fn not_approved(why: &str) -> Problem {
-    Problem::new(ProblemKind::Forbidden, format!("Not approved: {why}. Nothing has moved for this."))
-        .hint("ask the person what is to be different; `revise` changes the plan, `discard` drops it")
+    Problem::new(
+        ProblemKind::Forbidden,
+        format!("Not approved: {why}. Nothing has moved for this."),
+    )
+    .hint("ask the person what is to be different; `revise` changes the plan, `discard` drops it")
 }
 
 /// Returns the form for the question of a run.

@@ -85,19 +85,17 @@ impl Shared {
                     rules,
                 }
             }
-            (None, Some(accepted)) => {
-                Explained {
-                    instruction: accepted.instruction.clone(),
-                    goal: goal_of(accepted),
-                    assumptions: assumptions(&accepted.plan),
-                    not_in_plan: accepted.not_in_plan.clone(),
-                    session,
-                    plan_id,
-                    hash: offer.plan,
-                    steps,
-                    rules,
-                }
-            }
+            (None, Some(accepted)) => Explained {
+                instruction: accepted.instruction.clone(),
+                goal: goal_of(accepted),
+                assumptions: assumptions(&accepted.plan),
+                not_in_plan: accepted.not_in_plan.clone(),
+                session,
+                plan_id,
+                hash: offer.plan,
+                steps,
+                rules,
+            },
             (None, None) => return Err(nothing()),
         };
         Reply::new(explanation(&explained), &explained)

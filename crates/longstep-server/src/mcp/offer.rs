@@ -173,7 +173,11 @@ mod tests {
         let id = offers.add(offer("p")).unwrap();
         let taken = std::thread::scope(|scope| {
             let takers: Vec<_> = (0..8).map(|_| scope.spawn(|| offers.take(&id).is_ok())).collect();
-            takers.into_iter().filter_map(|taker| taker.join().ok()).filter(|taken| *taken).count()
+            takers
+                .into_iter()
+                .filter_map(|taker| taker.join().ok())
+                .filter(|taken| *taken)
+                .count()
         });
         assert_eq!(taken, 1);
     }

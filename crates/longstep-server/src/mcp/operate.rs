@@ -88,8 +88,10 @@ impl Face {
                 .find(|entry| matches!(&entry.deed, Deed::Paused { run: paused } if *paused == run));
             match paused {
                 Some(entry) if entry.by == by => shared.show_run(&*shared.hub.go_on(&run, &by)?),
-                Some(_) => Err(Problem::new(ProblemKind::Forbidden, "somebody else has paused this run")
-                    .hint("ask the person to let it go on where they paused it")),
+                Some(_) => Err(
+                    Problem::new(ProblemKind::Forbidden, "somebody else has paused this run")
+                        .hint("ask the person to let it go on where they paused it"),
+                ),
                 None => Err(Problem::conflict("nobody has paused this run").hint("call `run_status` to see its state")),
             }
         })

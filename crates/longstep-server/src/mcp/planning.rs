@@ -1,6 +1,7 @@
 //! The tools that make a plan: `describe_world`, `plan`, `answer`, `revise` and `discard`.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use longstep::dialogue;
 use longstep_core::environment::{Environment, World};
@@ -13,11 +14,15 @@ use super::offer::Offer;
 use super::reply::{Reply, section};
 use super::text;
 use crate::approval::world_hash;
+use crate::feed::{Happening, Page};
 use crate::hub::Hub;
 use crate::id::SessionId;
 use crate::problem::{Problem, ProblemKind};
 use crate::talk::{Said, Waiting};
 use crate::view::{SessionView, Snapshot};
+
+/// The longest time between two reports of progress: many clients give up after a minute without one.
+const PULSE: Duration = Duration::from_secs(10);
 
 /// A session, with the id under which its plan can be carried out.
 #[derive(Debug, Serialize)]
@@ -55,7 +60,10 @@ impl Described {
     fn of(hub: &Hub, session: Option<SessionId>, world: &World) -> Self {
         let domain = world.domain();
         let actions = domain.actions.iter().map(|action| {
-            let parameters = action.explicit.iter().map(|index| action.parameters[*index].name.as_str());
+            let parameters = action
+                .explicit
+                .iter()
+                .map(|index| action.parameters[*index].name.as_str());
             ActionView {
                 call: format!("{}({})", action.call, parameters.collect::<Vec<_>>().join(", ")),
                 means: action.means.clone(),
@@ -69,6 +77,14 @@ impl Described {
             actions: actions.collect(),
             robots: hub.robots().iter().map(|robot| robot.name.clone()).collect(),
         }
+    }
+}
+
+/// Returns the progress of a model's work for a session.
+fn progress(happening: &Happening, id: &SessionId) -> Option<String> {
+    match happening {
+        Happening::Progress { session, text } if session == id => Some(text.clone()),
+        _ => None,
     }
 }
 
@@ -150,7 +166,10 @@ impl Face {
                 None => hub.place(&shared.options.start)?.1,
             };
             let described = Described::of(hub, session, &world);
-            let actions = described.actions.iter().map(|action| format!("{}: {}", action.call, action.means));
+            let actions = described
+                .actions
+                .iter()
+                .map(|action| format!("{}: {}", action.call, action.means));
             let text = format!(
                 "{}{}{}{}",
                 dialogue::scene(&world),
@@ -189,14 +208,42 @@ impl Face {
 
     /// Says something and waits for the turn of the person. A call that is taken back cancels the work.
     async fn say(&self, caller: &Caller, id: SessionId, said: Said) -> Result<Reply, Problem> {
-        let waiting = self.work(move |shared| shared.say(&id, &said)).await?;
+        let own = id.clone();
+        let waiting = self.work(move |shared| shared.say(&own, &said)).await?;
         let snapshot = tokio::select! {
             snapshot = waiting.turn() => snapshot,
-            () = caller.cancelled.cancelled() => {
+            () = self.report_progress(caller, &id) => {
                 return Err(Problem::conflict("the call was cancelled").hint("call `plan` again"));
             }
         };
         self.shared.show(&snapshot)
+    }
+
+    /// Reports the work for a session until the call is taken back.
+    async fn report_progress(&self, caller: &Caller, id: &SessionId) {
+        let feed = self.shared.hub.feed();
+        let mut news = feed.newest();
+        let mut last = *news.borrow_and_update();
+        let mut pulse = tokio::time::interval(PULSE);
+        let (mut number, mut text) = (0, "thinking".to_owned());
+        loop {
+            let is_due = tokio::select! {
+                () = caller.cancelled.cancelled() => return,
+                _ = pulse.tick() => true,
+                Ok(()) = news.changed() => false,
+            };
+            let newest = *news.borrow_and_update();
+            let said = match feed.after(last, usize::MAX) {
+                Page::Events(events) => events.iter().rev().find_map(|event| progress(&event.happening, id)),
+                Page::Gone(_) => None,
+            };
+            last = newest;
+            if said.is_some() || is_due {
+                text = said.unwrap_or(text);
+                number += 1;
+                caller.report(number, &text).await;
+            }
+        }
     }
 
     /// Drops the plan that waits: for a decision, or for a robot.

@@ -1,10 +1,13 @@
 //! The results of tools: a short text for models, and the program's own JSON.
 
-use rmcp::model::{CallToolResponse, CallToolResult, ContentBlock, InputRequiredResult};
+use rmcp::model::{CallToolResponse, CallToolResult, ContentBlock, InputRequiredResult, MetaObject};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::problem::{Problem, ProblemKind};
+
+/// The key of a refusal as data, in the metadata of a result.
+const ERROR: &str = "io.github.longstep/error";
 
 /// The result of a tool.
 #[derive(Debug)]
@@ -48,8 +51,9 @@ fn refusal(problem: &Problem) -> CallToolResult {
     let hint = problem.hint.as_deref().unwrap_or_else(|| usual_hint(problem.kind));
     let text = format!("{}\nNext step: {hint}", problem.message);
     let mut result = CallToolResult::error(vec![ContentBlock::text(text)]);
+    // Some clients compare the data of a refusal with the schema of results, so it is beside them.
     let error = json!({"kind": problem.kind.name(), "message": problem.message, "hint": hint});
-    result.structured_content = Some(json!({ "error": error }));
+    result.meta = Some(MetaObject([(ERROR.to_owned(), error)].into_iter().collect()));
     result
 }
 

@@ -14,8 +14,16 @@ const JSON: &str = "application/json";
 /// The resources of a connection.
 pub(super) fn all() -> Vec<Resource> {
     [
-        (WORLD, "world", "The world before the next instruction, as an environment of Longstep"),
-        (PLAN, "plan", "The plan that waits for a decision, as a plan file of Longstep"),
+        (
+            WORLD,
+            "world",
+            "The world before the next instruction, as an environment of Longstep",
+        ),
+        (
+            PLAN,
+            "plan",
+            "The plan that waits for a decision, as a plan file of Longstep",
+        ),
     ]
     .into_iter()
     .map(|(uri, name, description)| {

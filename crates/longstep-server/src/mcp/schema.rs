@@ -8,8 +8,8 @@ pub(super) fn session() -> Value {
     json!({
         "type": "object",
         "properties": {
-            "plan_id": {"type": ["string", "null"], "description": "For `execute_plan`; null without a plan."},
-            "hash": {"type": ["string", "null"], "description": "The hash of the plan, for `execute_plan`."},
+            "plan_id": described("For `execute_plan`; null without a plan.", nullable(json!({"type": "string"}))),
+            "hash": described("The hash of the plan, for `execute_plan`.", nullable(json!({"type": "string"}))),
             "id": {"type": "string", "description": "The session."},
             "version": {"type": "integer"},
             "domain": {"type": "string"},
@@ -18,10 +18,10 @@ pub(super) fn session() -> Value {
                 "type": "string",
                 "enum": ["ready", "thinking", "question", "plan", "consent", "no_plan", "endings", "unknown"],
             },
-            "instruction": {"type": ["string", "null"]},
-            "question": {"type": ["string", "null"]},
-            "proposal": {
-                "type": ["object", "null"],
+            "instruction": nullable(json!({"type": "string"})),
+            "question": nullable(json!({"type": "string"})),
+            "proposal": nullable(json!({
+                "type": "object",
                 "properties": {
                     "plan": {"type": "string"},
                     "refused": strings,
@@ -29,12 +29,12 @@ pub(super) fn session() -> Value {
                     "answer": answer(),
                 },
                 "required": ["plan", "refused", "offers_rule", "answer"],
-            },
-            "failure": {
-                "type": ["object", "null"],
+            })),
+            "failure": nullable(json!({
+                "type": "object",
                 "properties": {"message": {"type": "string"}},
                 "required": ["message"],
-            },
+            })),
             "endings": {"type": "array", "items": {"type": "object"}},
             "accepted": {
                 "type": "array",
@@ -95,7 +95,7 @@ pub(super) fn answer() -> Value {
                     "type": "object",
                     "properties": {
                         "kind": {"type": "string"},
-                        "step": {"type": ["integer", "null"]},
+                        "step": nullable(json!({"type": "integer"})),
                         "message": {"type": "string"},
                     },
                     "required": ["kind", "step", "message"],
@@ -156,17 +156,17 @@ pub(super) fn run() -> Value {
             },
             "dry_run": {"type": "boolean"},
             "steps": {"type": "array", "items": {"type": "object"}},
-            "question": {
-                "type": ["object", "null"],
+            "question": nullable(json!({
+                "type": "object",
                 "properties": {"id": {"type": "string"}, "kind": {"type": "string"}, "text": {"type": "string"}},
                 "required": ["id", "kind", "text"],
-            },
+            })),
             "notices": strings(),
-            "end": {
-                "type": ["object", "null"],
+            "end": nullable(json!({
+                "type": "object",
                 "properties": {"done": {"type": "boolean"}, "text": {"type": "string"}},
                 "required": ["done", "text"],
-            },
+            })),
         },
         "required": ["id", "session", "plan", "robot", "by", "state", "steps", "question", "notices", "end"],
     })
@@ -187,7 +187,7 @@ pub(super) fn world() -> Value {
     json!({
         "type": "object",
         "properties": {
-            "session": {"type": ["string", "null"]},
+            "session": nullable(json!({"type": "string"})),
             "domain": {"type": "string"},
             "environment": {"type": "object"},
             "rules": strings,
@@ -212,6 +212,16 @@ pub(super) fn stopped() -> Value {
         "properties": {"stopped": {"type": "integer", "description": "Runs that were going on."}},
         "required": ["stopped"],
     })
+}
+
+/// One type or null; a list of types is less portable.
+fn nullable(schema: Value) -> Value {
+    json!({"anyOf": [schema, {"type": "null"}]})
+}
+
+fn described(description: &str, mut schema: Value) -> Value {
+    schema["description"] = Value::from(description);
+    schema
 }
 
 fn strings() -> Value {

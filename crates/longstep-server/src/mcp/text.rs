@@ -29,7 +29,10 @@ pub(super) fn remarks(answer: &Answer) -> String {
         section("Goal", &answer.goal),
         section("Chosen by the planner", choices),
         section("Assumed", &answer.assumptions),
-        section("Words of the instruction that the plan does not say", &answer.plan.not_in_plan),
+        section(
+            "Words of the instruction that the plan does not say",
+            &answer.plan.not_in_plan,
+        ),
         section("Parts of the instruction that the plan ignores", gaps),
         section("Changes", edits),
         section("Notes", &answer.notes),
@@ -61,7 +64,12 @@ pub(super) fn session(view: &SessionView, plan_id: Option<&str>) -> String {
     let shown = view.proposal.as_ref().map_or(String::new(), |proposal| {
         let refused = section("Not changed, because", &proposal.refused);
         let answer = &proposal.answer;
-        format!("{refused}{}{}\nhash: {}", steps(&answer.outline), remarks(answer), proposal.plan)
+        format!(
+            "{refused}{}{}\nhash: {}",
+            steps(&answer.outline),
+            remarks(answer),
+            proposal.plan
+        )
     });
     let plan_id = plan_id.map_or(String::new(), |plan_id| format!("\nplan_id: {plan_id}"));
     let head = head(view, question);
@@ -91,7 +99,9 @@ fn head(view: &SessionView, question: &str) -> String {
 
 fn waiting(accepted: &AcceptedView) -> String {
     let numbered = accepted.steps.iter().enumerate();
-    let steps: String = numbered.map(|(index, step)| format!("\n{}. {step}", index + 1)).collect();
+    let steps: String = numbered
+        .map(|(index, step)| format!("\n{}. {step}", index + 1))
+        .collect();
     format!("The plan for `{}` waits for a robot:{steps}", accepted.instruction)
 }
 

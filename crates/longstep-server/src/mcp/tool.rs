@@ -49,10 +49,10 @@ fn run() -> Argument {
 }
 
 fn draft() -> Vec<Argument> {
-    let plan = "A plan: a plan file of Longstep, a list of calls such as `grasp_object(<pen>)`, or a text with one of them.";
+    let plan = "The plan as text: a plan file of Longstep, a list of calls such as `grasp_object(<pen>)`, or a text with one of them.";
     let goal = "A goal that the plan has to achieve, in Longstep's goal language, such as `put(pen, shelf)`.";
     vec![
-        ("plan", true, json!({"type": ["string", "object", "array"], "description": plan})),
+        text("plan", plan),
         ("goal", false, json!({"type": "string", "description": goal})),
         session(),
     ]
@@ -135,7 +135,10 @@ fn planning() -> Vec<Tool> {
             "Changes the plan that waits for a decision, or an instruction without a plan, by a remark in plain words. The \
              changed plan is verified and has another `hash`; a change that is not possible is listed with its reason.",
             Effect::Plans,
-            vec![text("feedback", "What is to be different, in the words of the person."), session()],
+            vec![
+                text("feedback", "What is to be different, in the words of the person."),
+                session(),
+            ],
             schema::session(),
         ),
         tool(
@@ -222,7 +225,11 @@ fn running() -> Vec<Tool> {
                     false,
                     json!({"type": "string", "description": "The run. Without it: the last one of the session."}),
                 ),
-                ("wait_seconds", false, json!({"type": "number", "minimum": 0, "description": wait})),
+                (
+                    "wait_seconds",
+                    false,
+                    json!({"type": "number", "minimum": 0, "description": wait}),
+                ),
                 session(),
             ],
             schema::run(),
@@ -270,7 +277,10 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), tools.len());
         for tool in &tools {
-            for schema in [Some(&tool.input_schema), tool.output_schema.as_ref()].into_iter().flatten() {
+            for schema in [Some(&tool.input_schema), tool.output_schema.as_ref()]
+                .into_iter()
+                .flatten()
+            {
                 let schema = Value::Object((**schema).clone());
                 assert_eq!(schema["type"], "object", "{}", tool.name);
                 assert!(jsonschema::validator_for(&schema).is_ok(), "{}", tool.name);

@@ -10,8 +10,8 @@ use longstep_core::environment::World;
 use longstep_llm::{ChatModel, ModelError, Progress, Watch};
 use longstep_robot::{Sim, SimOptions, StopRequest};
 use longstep_server::{
-    Body, Configuration, Domains, FileStore, Hub, Models, OpenedRobot, Problem, ProblemKind, RobotEntry, RunId, RunView,
-    Scene, Store,
+    Body, Configuration, Domains, FileStore, Hub, Models, OpenedRobot, Problem, ProblemKind, RobotEntry, RunId,
+    RunView, Scene, Store,
 };
 use tempfile::TempDir;
 
@@ -101,7 +101,9 @@ pub fn hub(folder: &TempDir, robots: Vec<RobotEntry>) -> Arc<Hub> {
     let models = Models::open(Arc::new(open), 1, 8).unwrap();
     let scenes = vec![Scene::new("desk", "household", DESK, "Put the pen on the shelf")];
     let domains = Domains::new(&[], scenes).unwrap();
-    let configuration = Configuration::new(store(folder), domains).with_models(models).with_robots(robots);
+    let configuration = Configuration::new(store(folder), domains)
+        .with_models(models)
+        .with_robots(robots);
     Hub::open(configuration).unwrap()
 }
 
@@ -119,5 +121,8 @@ pub fn until(hub: &Hub, run: &RunId, is_there: impl Fn(&RunView) -> bool) -> Arc
 }
 
 pub fn runtime() -> tokio::runtime::Runtime {
-    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap()
+    tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .unwrap()
 }
