@@ -1,0 +1,39 @@
+//! The page of a server: HTML for the person who gives instructions, approves plans and watches runs.
+//!
+//! Every function is from the [`Hub`] to HTML or from a form to the hub; the network is in `http`. The page works without
+//! a script: each change is a form. `page.js` replaces the part of the page that changes ([`Sheet::fragment`]), moves the
+//! slider, and sends the stop beside everything else.
+//!
+//! HTML is written with maud, which escapes every text when it compiles the template; [`Sheet::html`] makes hidden
+//! characters visible in the whole document.
+
+mod audit;
+mod deed;
+mod form;
+mod goal;
+mod listing;
+mod picture;
+mod plan;
+mod proposal;
+mod run;
+mod session;
+mod sheet;
+mod start;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use audit::audit;
+pub(crate) use deed::{Next, RunDeed, SessionDeed, act_on_run, act_on_session, begin_session};
+pub(crate) use form::{Attempt, Fields};
+pub(crate) use run::run;
+pub(crate) use session::{Look, session};
+pub(crate) use sheet::{Sheet, failed, stranger};
+pub(crate) use start::start;
+
+/// The script of the page.
+pub(crate) const SCRIPT: &str = include_str!("page.js");
+
+/// The style sheet of the page, with the rules of the pictures.
+pub(crate) fn style() -> String {
+    format!("{}\n{}", include_str!("page.css"), picture::stylesheet())
+}
