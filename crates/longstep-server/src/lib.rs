@@ -22,6 +22,7 @@ mod hub;
 mod id;
 mod models;
 mod operate;
+mod page;
 mod problem;
 mod run;
 mod store;

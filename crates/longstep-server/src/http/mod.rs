@@ -3,6 +3,7 @@
 mod access;
 mod api;
 mod events;
+mod pages;
 mod reply;
 mod routes;
 mod serve;

@@ -137,6 +137,7 @@ fn keys() -> Markup {
                     dt { kbd { "Esc" } " held for a second" } dd { "stop, as the red button does" }
                     dt { kbd { "←" } " " kbd { "→" } } dd { "the step before and after, in the picture of the scene" }
                     dt { kbd { "/" } } dd { "go to the field for the instruction" }
+                    dt { kbd { "Enter" } " in a field" } dd { "send it; with " kbd { "Shift" } " a new line" }
                     dt { kbd { "Tab" } " " kbd { "Enter" } } dd { "everything else" }
                 }
                 p { label { input #letters type="checkbox" checked; " Use " kbd { "/" } " as a key of this page" } }
