@@ -81,3 +81,34 @@ fn files(pddl: &str, words: &str) -> Files {
         ..Files::default()
     }
 }
+
+/// Numbers that look random and are the same each time (SplitMix64).
+///
+/// ```
+/// use longstep_model::testing::Draws;
+/// let (mut one, mut other) = (Draws::new(7), Draws::new(7));
+/// assert!((0..100).all(|_| one.below(10) == other.below(10)));
+/// assert!(["a", "b"].contains(&one.of(&["a", "b"])));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Draws(u64);
+
+impl Draws {
+    /// Begins with a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// Returns a number below the limit, which is not zero.
+    pub fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) % limit as u64) as usize
+    }
+
+    /// Returns one of several values.
+    pub fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len())]
+    }
+}

@@ -8,17 +8,13 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use longstep_core::autonomy::Autonomy;
+use longstep_core::domain;
 use longstep_core::environment::{self, Observation, World};
-use longstep_core::execution::{
-    Aim, Approval, BeginError, Event, Execution, Proposal, Settings, StepOrder, Stop, Unseen,
-};
-use longstep_core::search::{Limits, Outcome, solve};
+use longstep_core::execution::{Aim, Approval, BeginError, Event, Execution, Settings, StepOrder, Stop};
 use longstep_core::skill::Skills;
-use longstep_core::verify::{VerifiedPlan, check};
-use longstep_core::{domain, goal};
+use longstep_core::testing::{Draws, plan_for};
 use longstep_robot::{
-    Description, Driven, Handle, Order, Progress, Robot, RobotError, RunControl, Scope, Sim, StopSwitch, Watcher,
-    drive, reports,
+    Description, Driven, Handle, Order, Progress, Robot, RobotError, RunControl, Scope, Sim, StopSwitch, drive, reports,
 };
 use serde_json::{Map, Value, json};
 
@@ -46,22 +42,6 @@ const ACTIONS: [&str; 6] = [
     "move-object",
 ];
 
-/// Numbers that look random and are the same each time (SplitMix64).
-struct Draws(u64);
-
-impl Draws {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % limit as u64) as usize
-    }
-
-    fn of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[self.below(all.len())]
-    }
-}
-
 /// The household, in which two actions have a speed and one has a force.
 fn household() -> World {
     let mut files = domain::shipped_files("household").unwrap();
@@ -77,14 +57,6 @@ fn household() -> World {
         skill = [{ name = "grip", type = "force", unit = "N", from = "robot" }]"#;
     files.skills = Some(("skills.toml".to_owned(), declared.to_owned()));
     environment::parse(&domain::load(&files).unwrap(), "env.json", SCENE).unwrap()
-}
-
-fn plan_for(world: &World, text: &str) -> VerifiedPlan {
-    let purpose = goal::parse(world, text).unwrap().purpose(world);
-    let Outcome::Solved { plan, .. } = solve(world, &purpose, &Limits::default()) else {
-        panic!("no plan for {text}")
-    };
-    check(world, plan, &purpose).into_verified().unwrap()
 }
 
 /// Tenths of a unit: 0.1 to 1.0.
@@ -215,7 +187,7 @@ fn no_order_is_outside_of_the_levels_and_limits() {
     let plans = GOALS.map(|text| (text, plan_for(&world, text)));
     let (mut refused, mut done, mut stopped, mut changed) = (0, 0, 0, 0);
     for seed in 0..400 {
-        let draws = &mut Draws(seed);
+        let draws = &mut Draws::new(seed);
         let (text, plan) = &plans[draws.below(plans.len())];
         let (skills, drawn) = (skills(&world, draws), drawn(draws));
         let autonomy = Autonomy::parse(world.domain(), Some(&world), "autonomy.toml", &drawn.text).unwrap();
@@ -269,50 +241,6 @@ fn no_order_is_outside_of_the_levels_and_limits() {
     );
 }
 
-/// A person who presses stop at an announcement.
-struct Careful {
-    control: RunControl,
-    presses: bool,
-    announced: u32,
-    ordered: Option<(Instant, Duration)>,
-    last: Option<Instant>,
-}
-
-impl Watcher for Careful {
-    fn record(&mut self, _: &Execution, events: &[Event]) -> Result<(), String> {
-        for event in events {
-            match event {
-                Event::Announced { .. } => {
-                    self.announced += 1;
-                    self.last = Some(Instant::now());
-                    if self.presses {
-                        self.control.stop();
-                    }
-                }
-                Event::Ordered { .. } => {
-                    if let Some(last) = self.last.take() {
-                        self.ordered = Some((last, last.elapsed()));
-                    }
-                }
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    fn approve(&mut self, _: &Execution, _: &Proposal) -> Option<bool> {
-        Some(true)
-    }
-
-    fn judge(&mut self, _: &Execution, _: &StepOrder) -> Option<bool> {
-        None
-    }
-
-    fn confirm(&mut self, _: &Execution, _: &Unseen) -> Option<bool> {
-        None
-    }
-}
-
 #[test]
 fn announced_step_comes_after_its_time_unless_somebody_stops_the_run() {
     let world = household();
@@ -331,15 +259,24 @@ fn announced_step_comes_after_its_time_unless_somebody_stops_the_run() {
             .with_autonomy(autonomy);
         let mut execution = Execution::new(&plan, &Aim::Goal(GOALS[0].to_owned()), settings).unwrap();
         let control = RunControl::of(&robot);
-        let mut careful = Careful {
-            control: control.clone(),
-            presses,
-            announced: 0,
-            ordered: None,
-            last: None,
-        };
-        let driven = drive(&mut execution, &mut robot, &mut careful, &control);
-        assert_eq!(careful.announced, 1);
+        let (mut announced, mut last, mut waited) = (0, None, None);
+        let mut watcher = Agreeing(|_: &Execution, events: &[Event]| {
+            for event in events {
+                match event {
+                    Event::Announced { .. } => {
+                        announced += 1;
+                        last = Some(Instant::now());
+                        if presses {
+                            control.stop();
+                        }
+                    }
+                    Event::Ordered { .. } => waited = last.take().map(|last| last.elapsed()).or(waited),
+                    _ => {}
+                }
+            }
+        });
+        let driven = drive(&mut execution, &mut robot, &mut watcher, &control);
+        assert_eq!(announced, 1);
         let has_grasped = robot.orders.iter().any(|order| order.action == "grasp");
         if presses {
             assert!(
@@ -347,7 +284,7 @@ fn announced_step_comes_after_its_time_unless_somebody_stops_the_run() {
                 "{driven:?}"
             );
         } else {
-            let (_, waited) = careful.ordered.unwrap();
+            let waited = waited.unwrap();
             assert!(driven == Driven::Done && has_grasped);
             assert!(waited >= Duration::from_millis(150), "{waited:?}");
         }

@@ -3,31 +3,23 @@
 
 use std::time::Duration;
 
-use longstep_core::environment::{self, World};
+use longstep_core::environment::World;
 use longstep_core::execution::{Aim, Approval, Event, Execution, Proposal, Settings, StepOrder, Stop, Unseen};
-use longstep_core::search::{Limits, Outcome, solve};
-use longstep_core::verify::check;
-use longstep_core::{domain, goal};
+use longstep_core::testing::{plan_for, world};
 use longstep_robot::{Driven, RunControl, Sim, Watcher, drive, reports};
 
 const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<cup>"],
     "object_states": {"<pen>": "on_something(<desk>)", "<cup>": "on_something(<desk>)"}}"#;
 
 fn scene() -> World {
-    let household = domain::shipped("household").unwrap().unwrap();
-    environment::parse(&household, "env.json", SCENE).unwrap()
+    world("household", SCENE)
 }
 
 fn begun(world: &World, text: &str, sim: &Sim, approval: Approval) -> Execution {
-    let purpose = goal::parse(world, text).unwrap().purpose(world);
-    let Outcome::Solved { plan, .. } = solve(world, &purpose, &Limits::default()) else {
-        panic!("no plan for {text}")
-    };
-    let plan = check(world, plan, &purpose).into_verified().unwrap();
     let settings = Settings::default()
         .with_approval(approval)
         .with_reports(reports(sim, world).unwrap());
-    Execution::new(&plan, &Aim::Goal(text.to_owned()), settings).unwrap()
+    Execution::new(&plan_for(world, text), &Aim::Goal(text.to_owned()), settings).unwrap()
 }
 
 /// A person at a page, who approves everything and asks for one pause.

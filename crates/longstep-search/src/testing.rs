@@ -9,7 +9,7 @@ use crate::search::{self, Limits, Outcome};
 use longstep_model::model::World;
 use longstep_verify::verify::{VerifiedPlan, check};
 
-pub use longstep_model::testing::{domain, world, world_of};
+pub use longstep_model::testing::{Draws, domain, world, world_of};
 
 /// Returns a plan for a goal, found within the default limits and verified.
 ///

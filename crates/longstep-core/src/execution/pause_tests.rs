@@ -8,23 +8,7 @@ use longstep_model::environment::Observation;
 use longstep_model::model::{Moment, PredicateId, holds};
 use longstep_search::goal;
 use longstep_search::search::{Limits, Outcome, solve};
-use longstep_search::testing;
-
-/// Numbers that look random and are the same each time (SplitMix64).
-struct Draws(u64);
-
-impl Draws {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % limit as u64) as usize
-    }
-
-    fn of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[self.below(all.len())]
-    }
-}
+use longstep_search::testing::{self, Draws};
 
 const GOALS: [&str; 6] = [
     "put(cup, shelf)",
@@ -108,7 +92,7 @@ fn paused_run_ends_in_its_goal_after_any_urgent_run() {
     let world = kitchen();
     let mut pauses = 0;
     for seed in 0..120 {
-        let draws = &mut Draws(seed);
+        let draws = &mut Draws::new(seed);
         let goal = draws.of(&GOALS);
         // Where nothing shows the hand, nobody can know that it did not move.
         let (reports, mishap) = match seed % 2 {
@@ -261,7 +245,7 @@ fn question_before_a_pause_is_asked_again_about_the_observed_world() {
     assert_ne!(asked(&mut execution, &real).id, first.id);
 }
 
-/// What was seen before a pause is not evidence after it: others may have changed it.
+/// A look before a pause is no evidence after it: others may have changed the world.
 #[test]
 fn pause_takes_the_evidence_of_earlier_observations() {
     let world = kitchen();

@@ -13,6 +13,7 @@ use longstep_core::execution::{Aim, Approval, Effect, Event, Execution, Need, Se
 use longstep_core::json::Path as JsonPath;
 use longstep_core::search::{Limits, Outcome, solve};
 use longstep_core::skill::Skills;
+use longstep_core::testing::Draws;
 use longstep_core::verify::{Purpose, VerifiedPlan, check};
 use longstep_core::{domain, environment, goal, schedule};
 use longstep_robot::{Progress, Robot, RunControl, Scope, Sim, SimCounts, SimOptions, drive, order_of, reports};
@@ -188,24 +189,11 @@ pub fn is_reached(case: &Case, state: &State) -> bool {
         .all(|own| holds(moment, &own.condition, &mut own.bindings.clone()))
 }
 
-/// Numbers that look random and are the same each time (SplitMix64).
-struct Draws(u64);
-
-impl Draws {
-    /// Returns a number below the limit.
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % limit as u64) as usize
-    }
-}
-
 /// Returns different plans with lanes: drawn scenes of the suite `two-arms` in which objects have exchanged their places,
 /// and two to four drawn goals of the scene at once. At most this many.
 pub fn lanes(count: usize) -> Vec<Case> {
     let single = cases(&["two-arms"]);
-    let mut draws = Draws(0);
+    let mut draws = Draws::new(0);
     let (mut found, mut known) = (Vec::new(), BTreeSet::new());
     for _ in 0..40 * count {
         if found.len() == count {
