@@ -17,11 +17,9 @@ use crate::progress::Spinner;
 use crate::signals;
 
 /// Opens a model, with a spinner on stderr.
-pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn ChatModel>> {
+pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn ChatModel>, ModelError> {
     let spinner = Spinner::new();
-    Ok(opened(name, arguments, None, &mut |progress| {
-        spinner.show(&progress);
-    })?)
+    opened(name, arguments, None, &mut |progress| spinner.show(&progress))
 }
 
 /// Opens a model for pictures, with a spinner on stderr: an embedded one with its projector.
@@ -38,14 +36,6 @@ pub(crate) fn seeing_model(arguments: &ModelArguments, vision: Option<&Path>) ->
     Ok(opened(arguments.name(), arguments, vision, &mut |progress| {
         spinner.show(&progress);
     })?)
-}
-
-/// Opens a model with a spinner on stderr, on whichever thread.
-pub(crate) fn open_with_spinner(arguments: &ModelArguments) -> Result<Box<dyn ChatModel>, ModelError> {
-    let spinner = Spinner::new();
-    opened(arguments.name(), arguments, None, &mut |progress| {
-        spinner.show(&progress)
-    })
 }
 
 /// Opens a model without a spinner.

@@ -6,7 +6,7 @@ use longstep::report::Assessment;
 use longstep_core::environment::World;
 use longstep_core::goal::{self, GoalError};
 use longstep_core::json;
-use longstep_core::model::{Prohibition, Wanted};
+use longstep_core::model::Wanted;
 use longstep_core::pddl::Problem;
 use longstep_core::plan;
 use longstep_core::verify::VerifiedPlan;
@@ -73,18 +73,7 @@ impl Draft {
                     "`purpose` has the goal and the rules for which the plan was made, with names of its environment",
                 )
             };
-            let mut rules = Vec::new();
-            for rule in &purpose.rules {
-                world.add_values(rule);
-                rules.extend(goal::rules(&world, rule).map_err(wrong)?);
-            }
-            let is_new = |own: &Prohibition| world.prohibitions().iter().all(|known| known.written != own.written);
-            rules.retain(is_new);
-            world = world.with_prohibitions(rules);
-            if let Some(text) = &purpose.goal {
-                world.add_values(text);
-                goal = Some(goal::parse(&world, text).map_err(wrong)?);
-            }
+            (world, goal) = goal::with_purpose(world, purpose).map_err(wrong)?;
         }
         let read = Self {
             world,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use longstep::dialogue::{self, Prepared};
-use longstep::report::{Answer, Status};
+use longstep::report::Answer;
 use longstep::session::{Failure as NoPlan, Response, Session};
 use longstep_llm::advance;
 
@@ -48,39 +48,19 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     advance(&mut session, model.as_mut(), None, &mut waiting)?;
     let forecast = waiting.forecast();
     drop(waiting);
-    let mut shown = Vec::new();
-    let (mut answer, goal) = match session.response() {
-        Response::Plan(proposal) => {
-            let goal = proposal.goal.as_ref();
-            let lines = goal.map(|goal| solve::goal_lines(session.world(), goal));
-            let mut answer = proposal.answer.clone();
-            if arguments.parallel {
-                let world = session.world();
-                shown = lanes::side_by_side(world, &proposal.plan, &proposal.purpose, &mut answer);
-            }
-            (answer, lines.unwrap_or_default())
-        }
-        Response::Consent(proposal) => {
-            let question = proposal.question.as_deref().unwrap_or_default();
-            let goal = proposal.goal.as_ref();
-            let lines = goal.map(|goal| solve::goal_lines(session.world(), goal));
-            (
-                proposal.answer.as_question(session.world(), question),
-                lines.unwrap_or_default(),
-            )
-        }
-        Response::NoPlan(failure) => (unhappy(failure)?, Vec::new()),
-        Response::Question(question) => {
-            let mut answer = Answer::without_plan(Status::Question, session.world(), instruction, question);
-            let (usage, model_milliseconds) = session.cost();
-            answer.usage = usage.into();
-            answer.readings = session.readings().to_vec();
-            answer.timings_ms.model = model_milliseconds;
-            (answer, Vec::new())
-        }
+    let mut answer = match (session.report(), session.failure()) {
+        (Some(answer), _) => answer,
+        (None, Some(failure)) => unhappy(failure)?,
         // After an instruction no other response is possible.
-        _ => return Err(Failure::new("the session ended early", MODEL).into()),
+        (None, None) => return Err(Failure::new("the session ended early", MODEL).into()),
     };
+    let world = session.world();
+    let goal = session.proposal().and_then(|proposal| proposal.goal.as_ref());
+    let goal = goal.map(|goal| solve::goal_lines(world, goal)).unwrap_or_default();
+    let mut shown = Vec::new();
+    if let (true, Response::Plan(proposal)) = (arguments.parallel, session.response()) {
+        shown = lanes::side_by_side(world, &proposal.plan, &proposal.purpose, &mut answer);
+    }
     answer.forecast = forecast;
     answer.timings_ms.model += opened;
     answer.timings_ms.total = milliseconds(started);
@@ -88,7 +68,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
         explain::readings(&answer.readings);
         output::blank();
     }
-    let domain = session.world().domain();
+    let domain = world.domain();
     let save = arguments.save.as_deref().map(|path| (path, &**domain));
     solve::finish(&answer, &goal, &shown, save, arguments.json)
 }

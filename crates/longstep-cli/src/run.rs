@@ -12,13 +12,15 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use longstep_core::domain::phrase;
 use longstep_core::environment::World;
-use longstep_core::execution::{Approval, Execution, Resumed, Stop, Trust, Watch};
+use longstep_core::execution::{Approval, Execution, Resumed, Settings, Stop, Trust, Watch};
 use longstep_core::secret;
 use longstep_files::session_directory;
 use longstep_llm::load_domain;
-use longstep_robot::{Opened, Robot, RunControl, RunHeader, RunLog, RunStart, StopRequest, drive, reports};
+use longstep_robot::{Opened, RunControl, RunHeader, RunLog, RunStart, StopRequest, check_resumed, drive};
 
-use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments, TrustArgument, domain_or_default};
+use crate::arguments::{
+    ApprovalArgument, ExecutionArguments, ObserveArgument, RunArguments, TrustArgument, domain_or_default,
+};
 use crate::exit_code::{GAVE_UP, LIMIT, NOT_SEEN, NOT_VALID, ROBOT, STOPPED, UNSOLVABLE};
 use crate::failure::Failure;
 use crate::output::remark;
@@ -27,7 +29,7 @@ use crate::signals::{self, Armed};
 use begin::Begun;
 use person::Person;
 
-pub(crate) use begin::{aim_of, execution, observing};
+pub(crate) use begin::{aim_of, execution, unfit};
 pub(crate) use person::{Decide, Question};
 pub(crate) use robot::{exit_code as robot_exit_code, failure as robot_failure, open};
 pub(crate) use view::{View, end};
@@ -111,25 +113,10 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
             .hint("add `--live`; the robot is observed first, and you are asked about steps that no observation decides")
             .into());
     }
-    check_resumed(&execution, opened.robot.as_ref())?;
+    check_resumed(&execution, opened.robot.as_ref()).map_err(|error| unfit(&error))?;
     check_limits(arguments, &execution, &opened)?;
     remark!("Resuming {}", path.display());
     carry_out(arguments, execution, opened, (log, path), &request)
-}
-
-/// Refuses a robot that does not observe what the run compares.
-fn check_resumed(execution: &Execution, robot: &dyn Robot) -> Result<()> {
-    observing(robot)?;
-    let reported = reports(robot, execution.world()).map_err(|error| Failure::unreadable(error.to_string()))?;
-    if reported == execution.settings().reports {
-        Ok(())
-    } else {
-        Err(
-            Failure::unreadable("this robot reports other facts than the robot with which the run began")
-                .hint("resume with the same robot")
-                .into(),
-        )
-    }
 }
 
 /// Refuses levels and limits that are stricter than those with which the run began.
@@ -286,6 +273,17 @@ pub(crate) fn new_log(folder: &Path, name: &str) -> Result<PathBuf> {
     let mut names = (1..100_000).map(|number| folder.join(format!("{name}-{number}.jsonl")));
     let free = names.find(|path| !path.exists());
     free.ok_or_else(|| Failure::unreadable(format!("{} is full", folder.display())).into())
+}
+
+impl From<&ExecutionArguments> for Settings {
+    /// Returns the settings that do not depend on the robot or the world.
+    fn from(arguments: &ExecutionArguments) -> Self {
+        Self::default()
+            .with_approval(arguments.approve.map_or_else(Approval::default, Approval::from))
+            .with_trust(arguments.trust.map_or_else(Trust::default, Trust::from))
+            .with_watch(arguments.observe.map_or_else(Watch::default, Watch::from))
+            .with_changes(arguments.changes.unwrap_or(Self::default().changes))
+    }
 }
 
 impl From<ApprovalArgument> for Approval {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use longstep::domain::Domain;
 use longstep_core::autonomy::Autonomy;
-use longstep_core::execution::{Approval, Settings, Trust, Watch};
+use longstep_core::execution::Settings;
 use longstep_files::{read_text, session_directory};
 use longstep_llm::load_domain;
 use longstep_robot::{OpenOptions, RobotReference};
@@ -115,7 +115,7 @@ fn models(arguments: &ServeArguments) -> Result<Models> {
     let open = move || {
         let is_first = first.lock().is_ok_and(|mut first| first.take().is_some());
         if is_first {
-            ask::open_with_spinner(&model)
+            ask::model(model.name(), &model)
         } else {
             ask::open_quietly(&model)
         }
@@ -167,13 +167,8 @@ fn settings(arguments: &ExecutionArguments, domain: &Domain) -> Result<Settings>
         Some(path) => Autonomy::parse(domain, None, &path.display().to_string(), &read_text(path)?)?,
         None => Autonomy::default(),
     };
-    Ok(Settings::default()
-        // A run of the server always begins with an approval; `never` asks nothing after it.
-        .with_approval(arguments.approve.map_or_else(Approval::default, Approval::from))
-        .with_trust(arguments.trust.map_or_else(Trust::default, Trust::from))
-        .with_watch(arguments.observe.map_or_else(Watch::default, Watch::from))
-        .with_changes(arguments.changes.unwrap_or(Settings::default().changes))
-        .with_autonomy(autonomy))
+    // A run of the server always begins with an approval; with `never` nothing is asked after it.
+    Ok(Settings::from(arguments).with_autonomy(autonomy))
 }
 
 /// Returns the failure for a problem of the server.

@@ -178,19 +178,7 @@ impl SessionFolder {
             return Ok(());
         }
         let at = jiff::Timestamp::now().to_string();
-        let lasting = |event: &Event| {
-            matches!(
-                event,
-                Event::Begin { .. }
-                    | Event::Accept { .. }
-                    | Event::Undo { .. }
-                    | Event::Rule { .. }
-                    | Event::Lifted { .. }
-                    | Event::Observed { .. }
-                    | Event::CarriedOut { .. }
-            )
-        };
-        let through = events.iter().any(lasting);
+        let through = events.iter().any(Event::is_lasting);
         let mut text = String::new();
         let mut numbers = Vec::new();
         for event in events {

@@ -32,7 +32,8 @@ pub struct Opened {
 }
 
 impl Opened {
-    fn new(robot: impl Robot + 'static) -> Self {
+    /// Takes a robot that moves, without levels and limits of its own.
+    pub fn new(robot: impl Robot + 'static) -> Self {
         Self {
             robot: Box::new(robot),
             is_dry: false,

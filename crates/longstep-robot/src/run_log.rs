@@ -131,8 +131,8 @@ impl RunLog {
         };
         log.lock()?;
         let text = log.text()?;
-        let complete = text.rfind('\n').map_or(0, |end| end + 1);
-        let (header, events) = parsed(path, &text[..complete])?;
+        let complete = whole(&text).len();
+        let (header, events) = parsed(path, whole(&text))?;
         if complete < text.len() {
             let cut = log.file.set_len(complete as u64).and_then(|()| log.file.sync_data());
             cut.map_err(|error| failed(path, error))?;
@@ -151,9 +151,16 @@ impl RunLog {
             file,
             path: path.to_owned(),
         };
-        let text = log.text()?;
-        let complete = text.rfind('\n').map_or(0, |end| end + 1);
-        parsed(path, &text[..complete])
+        Self::parse(path, &log.text()?)
+    }
+
+    /// Reads the text of a log; `path` is its name in errors. A last line that is not complete is left out.
+    ///
+    /// # Errors
+    ///
+    /// A text that is no log.
+    pub fn parse(path: &Path, text: &str) -> Result<(RunHeader, Vec<Event>), RunLogError> {
+        parsed(path, whole(text))
     }
 
     fn lock(&self) -> Result<(), RunLogError> {
@@ -207,6 +214,11 @@ fn failed(path: &Path, error: std::io::Error) -> RunLogError {
         path: path.to_owned(),
         error,
     }
+}
+
+/// Returns the complete lines of a text.
+fn whole(text: &str) -> &str {
+    &text[..text.rfind('\n').map_or(0, |end| end + 1)]
 }
 
 fn parsed(path: &Path, text: &str) -> Result<(RunHeader, Vec<Event>), RunLogError> {

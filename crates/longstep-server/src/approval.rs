@@ -6,10 +6,9 @@ use std::time::Duration;
 use jiff::Timestamp;
 use longstep_core::environment::World;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::audit::{Audit, Deed};
-use crate::id::{ApprovalId, RunId, SessionId};
+use crate::id::{ApprovalId, RunId, SessionId, hash};
 use crate::problem::{Problem, ProblemKind};
 use crate::store::{RecordKey, Store};
 
@@ -19,10 +18,7 @@ pub const APPROVAL_LIFETIME: Duration = Duration::from_secs(10 * 60);
 /// The longest time in which an approval may be used.
 const LONGEST: Duration = Duration::from_secs(24 * 60 * 60);
 
-/// The number of bytes of the hash of a world.
-const HASH_LENGTH: usize = 16;
-
-/// What a person approves.
+/// A person's consent to one plan, from one world, on one robot, once, until a time.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Approval {
@@ -47,12 +43,7 @@ pub struct Approval {
 /// Returns the hash of a world as an approval keeps it: of its environment, and of the rules in force.
 pub fn world_hash(world: &World) -> String {
     let rules: Vec<&str> = world.prohibitions().iter().map(|rule| rule.written.as_str()).collect();
-    let mut hash = Sha256::new();
-    hash.update(serde_json::json!([world.environment(), rules]).to_string());
-    hash.finalize()[..HASH_LENGTH]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    hash(&serde_json::json!([world.environment(), rules]))
 }
 
 /// The approvals of a server.
@@ -62,7 +53,7 @@ pub struct Approvals {
     audit: Audit,
 }
 
-/// What an approval is asked for, or used for.
+/// The subject of an approval: a plan, in the world of a robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Approved<'a> {
     /// The session of the plan.
@@ -150,14 +141,7 @@ impl Approvals {
                 },
             );
         };
-        self.audit.add(
-            by,
-            Deed::Refused {
-                session: approval.session.clone(),
-                plan: approval.plan.clone(),
-                why: why.to_owned(),
-            },
-        )?;
+        self.audit.refused(by, &approval.session, &approval.plan, why)?;
         Err(Problem::new(ProblemKind::Conflict, why).hint("look at the plan again, and approve it again"))
     }
 

@@ -16,12 +16,12 @@ pub struct AuditEntry {
     pub at: String,
     /// Who did it: the name that the face gives, such as `page` or `mcp:claude-code`.
     pub by: String,
-    /// What was done.
+    /// The deed.
     #[serde(flatten)]
     pub deed: Deed,
 }
 
-/// What was done.
+/// A deed of a person or of the server.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "deed", rename_all = "snake_case")]
 #[non_exhaustive]
@@ -129,6 +129,22 @@ impl Audit {
         // Plain data with string keys is always written.
         let line = serde_json::to_string(&entry).unwrap_or_default() + "\n";
         Ok(self.store.append(&LogName::Audit, &line, Durability::Now)?)
+    }
+
+    /// Adds the line that a plan was not accepted or not approved, or that an approval did not hold.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be kept.
+    pub fn refused(&self, by: &str, session: &SessionId, plan: &str, why: &str) -> Result<(), Problem> {
+        self.add(
+            by,
+            Deed::Refused {
+                session: session.clone(),
+                plan: plan.to_owned(),
+                why: why.to_owned(),
+            },
+        )
     }
 
     /// Returns the last lines, the newest first. A line that a newer program wrote, and this one does not know, is left

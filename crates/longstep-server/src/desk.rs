@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use longstep::Planner;
-use longstep::report::{Answer, Assessment, Status};
-use longstep::session::Response;
+use longstep::report::{Answer, Assessment};
 use longstep_core::environment::World;
 use longstep_core::{goal, plan};
 
@@ -57,30 +56,22 @@ impl Hub {
         goal: Option<&str>,
         answer: impl Fn(&Assessment<'_>) -> Answer,
     ) -> Result<Answer, Problem> {
-        let (_, mut world) = self.place(place)?;
+        let (_, world) = self.place(place)?;
         let draft = plan::read(text)
             .map_err(|error| Problem::unreadable(format!("the plan cannot be read: {error}")).hint(error.hint()))?;
         let read = |error: goal::GoalError| Problem::unreadable(format!("the goal cannot be read: {error}"));
-        let purpose = draft.file.purpose.as_ref();
-        let mut rules = Vec::new();
-        for rule in purpose.iter().flat_map(|purpose| &purpose.rules) {
-            world.add_values(rule);
-            rules.extend(goal::rules(&world, rule).map_err(read)?);
+        let mut purpose = draft.file.purpose.clone().unwrap_or_default();
+        if goal.is_some() {
+            // It takes the place of the goal in the file.
+            purpose.goal = None;
         }
-        rules.retain(|own| world.prohibitions().iter().all(|known| known.written != own.written));
-        let mut world = world.with_prohibitions(rules);
-        let goal = goal
-            .or(purpose.and_then(|purpose| purpose.goal.as_deref()))
-            .map(str::to_owned);
-        let goal = match goal {
-            Some(text) => {
-                goal::add_values(&mut world, &text);
-                Some(goal::parse(&world, &text).map_err(read)?)
-            }
-            None => None,
-        };
+        let (mut world, mut wanted) = goal::with_purpose(world, &purpose).map_err(read)?;
+        if let Some(text) = goal {
+            goal::add_values(&mut world, text);
+            wanted = Some(goal::parse(&world, text).map_err(read)?);
+        }
         let assessment = Assessment::new(&world, draft, None);
-        Ok(answer(&match goal {
+        Ok(answer(&match wanted {
             Some(goal) => assessment.for_goal(goal),
             None => assessment,
         }))
@@ -110,8 +101,7 @@ impl Hub {
         let hosted = Arc::new(hosted);
         self.say_to(&hosted, &Said::Instruction(instruction.to_owned()))?;
         Ok(Planning {
-            waiting: Waiting::new(Arc::clone(&hosted)),
-            hosted,
+            waiting: Waiting::new(hosted),
         })
     }
 }
@@ -119,7 +109,6 @@ impl Hub {
 /// A plan that is being made for one instruction.
 pub struct Planning {
     waiting: Waiting,
-    hosted: Arc<Hosted>,
 }
 
 impl Planning {
@@ -129,30 +118,13 @@ impl Planning {
     ///
     /// The model failed.
     pub async fn answer(self) -> Result<Answer, Problem> {
-        self.waiting.turn().await;
-        self.hosted.change(|session| {
-            let world = session.world();
-            Ok(match session.response() {
-                Response::Plan(proposal) => proposal.answer.clone(),
-                Response::Consent(proposal) => {
-                    let question = proposal.question.as_deref().unwrap_or_default();
-                    proposal.answer.as_question(world, question)
-                }
-                Response::Question(question) => {
-                    let instruction = session.instruction().unwrap_or_default();
-                    let mut answer = Answer::without_plan(Status::Question, world, instruction, question);
-                    let (usage, milliseconds) = session.cost();
-                    answer.usage = usage.into();
-                    answer.readings = session.readings().to_vec();
-                    answer.timings_ms.model = milliseconds;
-                    answer
-                }
-                Response::NoPlan(failure) => match failure.answer() {
-                    Some(answer) => answer.clone(),
-                    None => return Err(Problem::new(ProblemKind::Failed, failure.to_string())),
-                },
-                _ => return Err(Problem::new(ProblemKind::Failed, "the model was cancelled")),
-            })
+        let hosted = self.waiting.ended().await;
+        hosted.look(|session| {
+            let failed = || match session.failure() {
+                Some(failure) => Problem::new(ProblemKind::Failed, failure.to_string()),
+                None => Problem::new(ProblemKind::Failed, "the model was cancelled"),
+            };
+            session.report().ok_or_else(failed)
         })
     }
 }

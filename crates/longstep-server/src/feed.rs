@@ -38,7 +38,7 @@ pub enum Happening {
     Progress {
         /// The session.
         session: SessionId,
-        /// What it does, for a person.
+        /// The work, for a person.
         text: String,
     },
 }
@@ -66,12 +66,12 @@ impl Happening {
 pub struct FeedEvent {
     /// Its number, from 1, since the server began.
     pub number: u64,
-    /// What happened.
+    /// The change.
     #[serde(flatten)]
     pub happening: Happening,
 }
 
-/// What a reader gets.
+/// The answer to a reader.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Page {

@@ -20,7 +20,7 @@ use crate::view::Snapshot;
 
 /// A session that is in memory.
 ///
-/// What is shown is a snapshot, so that looking at a session never waits for a search or a model.
+/// Faces show a snapshot, so that looking at a session never waits for a search or a model.
 pub(crate) struct Hosted {
     id: SessionId,
     /// None for a session that is not kept.
@@ -58,7 +58,7 @@ impl Hosted {
         store: Option<Arc<dyn Store>>,
         feed: Arc<Feed>,
     ) -> Result<Self, Problem> {
-        let snapshot = Snapshot::of(&id, 0, &session);
+        let snapshot = Snapshot::of(&id, 0, &session, &[]);
         let hosted = Self {
             id,
             store,
@@ -105,6 +105,11 @@ impl Hosted {
         self.session.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Looks at the session itself. Waits for a search that is under way.
+    pub(crate) fn look<T>(&self, look: impl FnOnce(&Session) -> T) -> T {
+        look(&self.session())
+    }
+
     /// Changes the session, keeps its events, and shows it.
     ///
     /// # Errors
@@ -145,7 +150,7 @@ impl Hosted {
         let Some(store) = self.store.as_ref().filter(|_| !events.is_empty()) else {
             return Ok(());
         };
-        let durability = if events.iter().any(is_lasting) {
+        let durability = if events.iter().any(Event::is_lasting) {
             Durability::Now
         } else {
             Durability::Later
@@ -160,9 +165,10 @@ impl Hosted {
 
     fn show(&self, session: &Session) {
         let version = *self.version.borrow() + 1;
-        let snapshot = Arc::new(Snapshot::of(&self.id, version, session));
-        let state = snapshot.view.state;
-        *self.snapshot.write().unwrap_or_else(PoisonError::into_inner) = snapshot;
+        let mut shown = self.snapshot.write().unwrap_or_else(PoisonError::into_inner);
+        *shown = Arc::new(Snapshot::of(&self.id, version, session, &shown.view.accepted));
+        let state = shown.view.state;
+        drop(shown);
         self.version.send_replace(version);
         if self.store.is_some() {
             self.feed.publish(Happening::Session {
@@ -216,21 +222,6 @@ impl Hosted {
             }
         }
     }
-}
-
-/// True for an event that a crash of the machine must not lose.
-fn is_lasting(event: &Event) -> bool {
-    matches!(
-        event,
-        Event::Begin { .. }
-            | Event::Accept { .. }
-            | Event::Undo { .. }
-            | Event::Rule { .. }
-            | Event::Lifted { .. }
-            | Event::Observed { .. }
-            | Event::CarriedOut { .. }
-            | Event::Ended { .. }
-    )
 }
 
 /// Watches the call of a model for a session.

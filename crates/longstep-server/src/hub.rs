@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use longstep::dialogue::ConstraintKind;
-use longstep::session::{ModelFacts, Settings};
+use longstep::session::{ModelFacts, Session, Settings};
 
 use crate::approval::Approvals;
 use crate::audit::Audit;
@@ -24,7 +24,7 @@ const RESIDENT: usize = 256;
 /// The most characters of an instruction, an answer or feedback.
 const LONGEST_TEXT: usize = 4_000;
 
-/// What a server is made of.
+/// The parts of a server.
 #[non_exhaustive]
 pub struct Configuration {
     /// Where sessions, approvals and runs are kept.
@@ -221,15 +221,7 @@ impl Hub {
         let session = planner.session(world, self.settings, self.facts())?;
         let id = SessionId::random()?;
         self.store.own(&LogName::Session(id.clone()))?;
-        let hosted = Hosted::new(
-            id.clone(),
-            session,
-            Some(Arc::clone(&self.store)),
-            Arc::clone(&self.feed),
-        )?;
-        let snapshot = hosted.snapshot();
-        self.admit(hosted);
-        Ok(snapshot)
+        Ok(self.admit(id, session)?.snapshot())
     }
 
     /// Returns the facts about the model, or those of a model that will never be asked.
@@ -243,8 +235,9 @@ impl Hub {
     }
 
     /// Keeps a session in memory; those that nobody has used for the longest time leave it.
-    fn admit(&self, hosted: Hosted) -> Arc<Hosted> {
-        let hosted = Arc::new(hosted);
+    fn admit(&self, id: SessionId, session: Session) -> Result<Arc<Hosted>, Problem> {
+        let (store, feed) = (Some(Arc::clone(&self.store)), Arc::clone(&self.feed));
+        let hosted = Arc::new(Hosted::new(id, session, store, feed)?);
         let mut resident = self.resident();
         while resident.len() >= RESIDENT {
             // Nobody else holds a session that is idle.
@@ -258,7 +251,7 @@ impl Hub {
             self.store.release(&LogName::Session(id));
         }
         resident.insert(hosted.id().clone(), Arc::clone(&hosted));
-        hosted
+        Ok(hosted)
     }
 
     /// Returns a session, from memory or from its log.
@@ -271,7 +264,8 @@ impl Hub {
             return Ok(Arc::clone(hosted));
         }
         let log = LogName::Session(id.clone());
-        if self.store.read(&log)?.is_none() {
+        // To own a log makes its file.
+        if self.store.changed_at(&log)?.is_none() {
             return Err(Problem::missing("session", id));
         }
         self.store.own(&log)?;
@@ -280,13 +274,7 @@ impl Hub {
         if let Some(hosted) = self.resident().get(id) {
             return Ok(Arc::clone(hosted));
         }
-        let hosted = Hosted::new(
-            id.clone(),
-            session,
-            Some(Arc::clone(&self.store)),
-            Arc::clone(&self.feed),
-        )?;
-        let hosted = self.admit(hosted);
+        let hosted = self.admit(id.clone(), session)?;
         self.settle_runs(&hosted)?;
         Ok(hosted)
     }

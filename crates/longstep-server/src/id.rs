@@ -3,6 +3,8 @@
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 /// The number of random bytes of an id: 128 bits, which nobody guesses.
 const LENGTH: usize = 16;
@@ -15,7 +17,17 @@ const LENGTH: usize = 16;
 pub(crate) fn random(bytes: usize) -> Result<String, getrandom::Error> {
     let mut random = vec![0; bytes];
     getrandom::fill(&mut random)?;
-    Ok(random.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(&random))
+}
+
+/// Returns bytes as hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Returns the hash of data as hexadecimal digits, as many as those of an id.
+pub(crate) fn hash(data: &Value) -> String {
+    hexadecimal(&Sha256::digest(data.to_string())[..LENGTH])
 }
 
 /// Returns true for a text that an id may have: it becomes the name of a file.

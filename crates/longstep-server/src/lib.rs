@@ -40,7 +40,7 @@ pub use hub::{Configuration, Hub, NewSession};
 pub use id::{ApprovalId, RunId, SessionId};
 pub use models::{Models, OpenModel};
 pub use problem::{Problem, ProblemKind};
-pub use run::{Body, EndView, OpenRobot, OpenedRobot, QuestionView, RobotEntry, RunRecord, RunState, RunView};
+pub use run::{Body, EndView, OpenRobot, QuestionView, RobotEntry, RunRecord, RunState, RunView};
 pub use store::{Durability, FileStore, LogName, RecordKey, Store, StoreError};
 pub use talk::{Said, Waiting};
 pub use view::{AcceptedView, EndingView, FailureView, ProposalView, SessionView, Snapshot, plan_hash};

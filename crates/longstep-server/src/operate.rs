@@ -1,13 +1,14 @@
 //! Approvals used, and runs begun, paused, continued and stopped.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::{Arc, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use longstep_core::environment;
 use longstep_core::execution::{Aim, Event};
 use longstep_core::json;
-use longstep_robot::RunHeader;
+use longstep_robot::RunLog;
 
 use crate::approval::{Approval, Approved};
 use crate::audit::Deed;
@@ -40,17 +41,9 @@ impl Hub {
             let problem = Problem::conflict(match next {
                 Some(_) => "another plan is the next for a robot",
                 None => "no accepted plan waits for a robot",
-            })
-            .hint("accept the plan first, then look at the session again");
-            self.audit.add(
-                by,
-                Deed::Refused {
-                    session: id.clone(),
-                    plan: plan.to_owned(),
-                    why: problem.message.clone(),
-                },
-            )?;
-            return Err(problem);
+            });
+            self.audit.refused(by, id, plan, &problem.message)?;
+            return Err(problem.hint("accept the plan first, then look at the session again"));
         }
         let subject = Approved {
             session: id,
@@ -287,13 +280,10 @@ impl Hub {
     fn run_log(&self, id: &RunId) -> Result<(String, Vec<Event>), Problem> {
         let bytes = self.store.read(&LogName::Run(id.clone()))?.unwrap_or_default();
         let text = String::from_utf8_lossy(&bytes);
-        let whole = text.rfind('\n').map_or(0, |end| end + 1);
-        let mut lines = text[..whole].lines();
-        let damaged = |error: serde_json::Error| Problem::conflict(format!("the log of the run is damaged: {error}"));
-        let header = lines.next().ok_or_else(|| Problem::conflict("the run never began"))?;
-        let header: RunHeader = serde_json::from_str(header).map_err(damaged)?;
-        let events = lines.map(serde_json::from_str).collect::<Result<Vec<Event>, _>>();
-        Ok((header.domain, events.map_err(damaged)?))
+        let read = RunLog::parse(Path::new(id.as_str()), &text);
+        let (header, events) =
+            read.map_err(|error| Problem::conflict(format!("the log of the run cannot be read: {error}")))?;
+        Ok((header.domain, events))
     }
 
     /// Takes up the runs of earlier servers as they ended.

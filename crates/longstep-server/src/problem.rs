@@ -5,7 +5,7 @@ use longstep::session::{ObserveError, OutOfTurn, ResumeError};
 use longstep_core::secret;
 use longstep_files::DomainError;
 use longstep_llm::{AdvanceError, ModelError};
-use longstep_robot::OpenError;
+use longstep_robot::{OpenError, Unfit};
 
 use crate::store::StoreError;
 
@@ -172,6 +172,13 @@ impl From<OpenError> for Problem {
     fn from(error: OpenError) -> Self {
         let hint = error.hint().map(str::to_owned);
         Self::new(ProblemKind::Failed, error.to_string()).hinted(hint)
+    }
+}
+
+impl From<Unfit> for Problem {
+    fn from(error: Unfit) -> Self {
+        let hint = error.hint().map(str::to_owned);
+        Self::conflict(error.to_string()).hinted(hint)
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a person says to a session.
+//! Requests of a person to a session.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub enum Said {
     Instruction(String),
     /// An answer to the question.
     Answer(String),
-    /// What is to be different.
+    /// Feedback on the plan.
     Feedback(String),
 }
 
@@ -58,7 +58,12 @@ impl Waiting {
     }
 
     /// Waits until it is the person's turn.
-    pub async fn turn(mut self) -> Arc<Snapshot> {
+    pub async fn turn(self) -> Arc<Snapshot> {
+        self.ended().await.snapshot()
+    }
+
+    /// Waits until it is the person's turn; returns the session itself.
+    pub(crate) async fn ended(mut self) -> Arc<Hosted> {
         let mut version = self.hosted.version();
         while self.hosted.is_thinking() {
             version.borrow_and_update();
@@ -67,7 +72,7 @@ impl Waiting {
             }
         }
         self.is_over = true;
-        self.hosted.snapshot()
+        Arc::clone(&self.hosted)
     }
 
     /// Leaves the model at work: what comes of it is in the session, and on the live stream.
@@ -167,18 +172,13 @@ impl Hub {
             )?;
             Ok(session.accept()?)
         });
-        if let Err(problem) = accepted {
-            self.audit.add(
-                by,
-                Deed::Refused {
-                    session: id.clone(),
-                    plan: plan.to_owned(),
-                    why: problem.message.clone(),
-                },
-            )?;
-            return Err(problem);
+        match accepted {
+            Ok(()) => Ok(hosted.snapshot()),
+            Err(problem) => {
+                self.audit.refused(by, id, plan, &problem.message)?;
+                Err(problem)
+            }
         }
-        Ok(hosted.snapshot())
     }
 
     /// Reverts the last accepted plan.

@@ -6,12 +6,8 @@ use longstep_core::environment::{Environment, World};
 use longstep_core::plan::{Written, write_tree};
 use longstep_core::verify::VerifiedPlan;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
-use crate::id::SessionId;
-
-/// The number of bytes of the hash of a plan.
-const HASH_LENGTH: usize = 16;
+use crate::id::{SessionId, hash};
 
 /// Returns the hash of a plan: of its steps with all arguments, of the world before it with the rules in force, and of its
 /// goal. An approval names it.
@@ -19,12 +15,7 @@ pub fn plan_hash(plan: &VerifiedPlan, goal: &[String]) -> String {
     let world = plan.world();
     let rules: Vec<&str> = world.prohibitions().iter().map(|rule| rule.written.as_str()).collect();
     let tree = write_tree(&Written::of_plan(world, plan.plan()));
-    let mut hash = Sha256::new();
-    hash.update(serde_json::json!([world.environment(), rules, goal, tree]).to_string());
-    hash.finalize()[..HASH_LENGTH]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    hash(&serde_json::json!([world.environment(), rules, goal, tree]))
 }
 
 /// A session as a program or a page sees it.
@@ -79,7 +70,7 @@ pub struct ProposalView {
 pub struct FailureView {
     /// The reason in one line.
     pub message: String,
-    /// What was found out about plans, if the instruction was understood.
+    /// The findings about plans, if the instruction was understood.
     pub answer: Option<Answer>,
 }
 
@@ -87,7 +78,7 @@ pub struct FailureView {
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct EndingView {
-    /// What tells it from the others.
+    /// The outcomes that distinguish it from the others.
     pub when: Vec<String>,
     /// The world after it.
     pub environment: Environment,
@@ -148,8 +139,25 @@ pub(crate) fn proposal_hash(proposal: &Proposal) -> String {
     plan_hash(&proposal.plan, &proposal.answer.goal)
 }
 
+impl AcceptedView {
+    fn of(number: usize, accepted: &Accepted, pending: bool) -> Self {
+        let steps = accepted.plan.steps().iter();
+        Self {
+            number,
+            plan: accepted_hash(accepted),
+            instruction: accepted.instruction.clone(),
+            goal: goal_of(accepted),
+            steps: steps.map(|step| step.explanation.clone()).collect(),
+            not_in_plan: accepted.not_in_plan.clone(),
+            pending,
+        }
+    }
+}
+
 impl Snapshot {
-    pub(crate) fn of(id: &SessionId, version: u64, session: &Session) -> Self {
+    /// Takes a snapshot. `before` has the accepted plans of the last one: a plan does not change, and one change of a session
+    /// either accepts plans or reverts the last one, so the plans with the same numbers are the same.
+    pub(crate) fn of(id: &SessionId, version: u64, session: &Session, before: &[AcceptedView]) -> Self {
         let response = session.response();
         let state = match &response {
             Response::Ready => "ready",
@@ -168,24 +176,16 @@ impl Snapshot {
         };
         let proposal = session.proposal();
         let pending = session.pending();
-        let accepted = session
-            .accepted()
-            .iter()
-            .enumerate()
-            .map(|(number, accepted)| AcceptedView {
-                number,
-                plan: accepted_hash(accepted),
-                instruction: accepted.instruction.clone(),
-                goal: goal_of(accepted),
-                steps: accepted
-                    .plan
-                    .steps()
-                    .iter()
-                    .map(|step| step.explanation.clone())
-                    .collect(),
-                not_in_plan: accepted.not_in_plan.clone(),
-                pending: pending.contains(&number),
-            });
+        let accepted = session.accepted().iter().enumerate().map(|(number, accepted)| {
+            let pending = pending.contains(&number);
+            match before.get(number) {
+                Some(known) => AcceptedView {
+                    pending,
+                    ..known.clone()
+                },
+                None => AcceptedView::of(number, accepted, pending),
+            }
+        });
         let endings = session.endings().into_iter().map(|ended: Ended| EndingView {
             when: ended.when,
             environment: ended.environment,

@@ -233,7 +233,7 @@ fn a_hanging_run_is_stopped_paused_and_continued() {
     assert_eq!(served.post(&format!("{run}/pause"), &Value::Null).0, 409);
     let (status, resumed) = served.post(&format!("{run}/resume"), &Value::Null);
     assert_eq!(status, 200, "{resumed}");
-    // What was under way at the stop is unknown: the simulation began anew, so a person may be asked.
+    // The step under way at the stop is unknown: the simulation began anew, so a person may be asked.
     let view = served.until(&run, |run| is_ended(run) || run["state"] == "asking");
     assert!(
         view["end"]["done"] == json!(true) || view["question"]["id"].is_string(),

@@ -9,24 +9,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use longstep_core::execution::Event;
+use longstep_core::testing::Draws;
 use longstep_server::{APPROVAL_LIFETIME, Body, Deed, Hub, NewSession, RunId, RunState, Said, SessionId};
 use support::{hub, runtime, simulated};
 
 /// Scenarios, each with up to four interruptions.
 const SCENARIOS: u64 = 90;
-
-/// A generator of random numbers (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (mixed ^ (mixed >> 31)) % bound
-    }
-}
 
 /// Makes a plan in a session, approves it, and begins a run.
 fn started(hub: &Arc<Hub>, session: &SessionId, text: &str, urgent: bool) -> Option<RunId> {
@@ -108,27 +96,27 @@ fn check_log(folder: &Path, run: &RunId) -> usize {
 fn runs_that_are_interrupted_end_in_their_goal_or_a_proven_stop() {
     let (mut interruptions, mut reached, mut stopped, mut pauses) = (0, 0, 0, 0);
     for seed in 0..SCENARIOS {
-        let mut random = Random(seed);
+        let mut draws = Draws::new(seed);
         let folder = tempfile::tempdir().unwrap();
         let state = folder.path().join("state.json");
-        let faults = random.below(3);
+        let faults = draws.below(3);
         let options = format!("seed={seed},faults={faults},ticks=2,pace=2,state={}", state.display());
         let hub = hub(&folder, vec![simulated("sim", options.parse().unwrap(), Body::Shared)]);
         let session = hub.create(&NewSession::of_scene("desk")).unwrap().view.id.clone();
         let first = started(&hub, &session, "Put the pen on the shelf", false).unwrap();
         let mut runs = vec![first.clone()];
         let (mut is_stopped, mut is_paused) = (false, false);
-        for _ in 0..=random.below(4) {
-            std::thread::sleep(Duration::from_millis(random.below(40)));
+        for _ in 0..=draws.below(4) {
+            std::thread::sleep(Duration::from_millis(draws.below(40) as u64));
             interruptions += 1;
-            match random.below(8) {
+            match draws.below(8) {
                 0..3 => {
                     let text = [
                         "Put the cup on the shelf",
                         "Put the cup on the table",
                         "Put the pen on the table",
                     ];
-                    let text = text[usize::try_from(random.below(3)).unwrap()];
+                    let text = draws.of(&text);
                     runs.extend(interrupted(&hub, &first, text));
                 }
                 3..6 => is_paused |= hub.pause(&first, "ada").is_ok(),

@@ -30,7 +30,7 @@ enum Era {
 
 const ERAS: [Era; 2] = [Era::Handshake, Era::Stateless];
 
-/// What a client does with a form.
+/// The reaction of a client to a form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Person {
     Approves,

@@ -8,7 +8,7 @@ use anyhow::Result;
 use longstep::session::{ObserveError, Observed};
 use longstep_core::environment::{Observation, World};
 use longstep_files::read_text;
-use longstep_robot::{Opened, RunControl, RunHeader, RunLog, RunStart, Scope, StopRequest, drive};
+use longstep_robot::{Opened, RunControl, RunHeader, RunLog, RunStart, Scope, StopRequest, check_observes, drive};
 
 use super::input::Lines;
 use super::{Chat, screen};
@@ -261,7 +261,7 @@ impl Chat<'_> {
             );
         }
         let body = own.robot.as_mut();
-        run::observing(body)?;
+        check_observes(body).map_err(|error| run::unfit(&error))?;
         let seen = body.observe(&Scope::All);
         if seen.as_ref().is_err_and(longstep_robot::RobotError::is_final) {
             let _ = body.stop();

@@ -74,7 +74,7 @@ pub(super) fn run(arguments: &TryArguments) -> Result<u8> {
                     .enumerate()
                     .for_each(|(index, sample)| show_sample(&world, index, sample));
             }
-            return Err(error);
+            return Err(error.into());
         }
     };
     remark!(

@@ -8,12 +8,12 @@ use longstep::report::{Answer, Status};
 use longstep::session::{Response, Session};
 use longstep_core::autonomy::Autonomy;
 use longstep_core::environment::World;
-use longstep_core::execution::{Aim, Approval, BeginError, Execution, Settings, Trust, Watch};
+use longstep_core::execution::{Aim, BeginError, Execution, Settings};
 use longstep_core::skill::Skills;
 use longstep_core::verify::VerifiedPlan;
 use longstep_files::read_text;
 use longstep_llm::advance;
-use longstep_robot::{Opened, Robot, preflight, reports};
+use longstep_robot::{Opened, Unfit, observed_reports, preflight};
 
 use super::robot::failure;
 use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments, domain_or_default};
@@ -101,16 +101,12 @@ pub(crate) fn aim_of(goal: Option<&Goal>, world: &World) -> Aim {
     Aim::from(goal.map(|goal| goal.exact(world).join(" & ")))
 }
 
-/// Refuses a robot that does not observe.
-pub(crate) fn observing(robot: &dyn Robot) -> Result<()> {
-    if robot.describe().observes {
-        Ok(())
-    } else {
-        Err(
-            Failure::unreadable("this robot does not observe, so its plan cannot be monitored")
-                .hint("let the robot's program declare the capability `observe` and answer `observe`")
-                .into(),
-        )
+/// Returns the failure for a robot that cannot carry out a run.
+pub(crate) fn unfit(error: &Unfit) -> Failure {
+    let failure = Failure::unreadable(error.to_string());
+    match error.hint() {
+        Some(hint) => failure.hint(hint),
+        None => failure,
     }
 }
 
@@ -159,29 +155,17 @@ fn settings(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> R
         Some(path) => Skills::parse(domain, &path.display().to_string(), &read_text(path)?)?,
         None => Skills::default(),
     };
-    observing(robot)?;
+    let reports = observed_reports(robot, world).map_err(|error| unfit(&error))?;
     let autonomy = autonomy(arguments, opened, world)?;
-    Ok(Settings::default()
-        .with_approval(if opened.is_dry {
-            Approval::Never
-        } else {
-            arguments.approve.map_or_else(Approval::default, Approval::from)
-        })
-        .with_trust(if opened.is_dry {
-            // Nothing is observed in a dry run.
-            Trust::Promised
-        } else {
-            arguments.trust.map_or_else(Trust::default, Trust::from)
-        })
-        .with_watch(arguments.observe.map_or_else(Watch::default, Watch::from))
-        .with_changes(arguments.changes.unwrap_or(Settings::default().changes))
-        .with_reports(reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?)
+    let settings = Settings::from(arguments)
+        .with_reports(reports)
         .with_skills(skills)
-        .with_autonomy(if opened.is_dry {
-            autonomy.without_people()
-        } else {
-            autonomy
-        }))
+        .with_autonomy(autonomy);
+    Ok(if opened.is_dry {
+        settings.for_dry_run()
+    } else {
+        settings
+    })
 }
 
 /// Returns the levels and limits of a robot, with those of `--autonomy`.

@@ -223,7 +223,7 @@ fn announced_step_is_ordered_when_its_time_is_over() {
         panic!()
     };
     assert_eq!(order.written(&world), "grasp(<cup>)");
-    // The same announcement waits, and is one event.
+    // One announcement waits, and is one event.
     assert!(matches!(execution.next_need(), Need::Announce(again) if again == order));
     let announced = |log: &[Event]| log.iter().filter(|own| matches!(own, Event::Announced { .. })).count();
     real.log.extend(execution.take_events());
@@ -301,7 +301,7 @@ fn resumed_run_keeps_its_limits() {
         .unwrap()
         .0;
     assert!(again.world().forbids(attach, &[cup, bin]).is_some());
-    // What comes after the run is not limited by it.
+    // The limits of a run do not bind what comes after it.
     assert!(again.after().forbids(open, &[handle]).is_none());
     assert_eq!(again.plan().plan().step(StepId::new(0)).arguments, [cup]);
 }

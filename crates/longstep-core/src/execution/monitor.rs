@@ -143,7 +143,7 @@ impl Execution {
         if !self.suspicious && self.running.is_empty() {
             self.confirm();
         }
-        // What follows from a difference is decided after a pause, from a new look.
+        // A difference is assessed after a pause, from a new look.
         if self.suspicious && self.running.is_empty() && !self.is_paused() {
             self.assess();
         }

@@ -99,6 +99,21 @@ impl Settings {
         Self { trust, ..self }
     }
 
+    /// Returns the settings for a dry run: nothing moves, nobody is asked, and nothing is observed.
+    ///
+    /// ```
+    /// use longstep_core::execution::{Approval, Settings, Trust};
+    /// let settings = Settings::default().for_dry_run();
+    /// assert_eq!((settings.approval, settings.trust), (Approval::Never, Trust::Promised));
+    /// ```
+    #[must_use]
+    pub fn for_dry_run(self) -> Self {
+        let autonomy = self.autonomy.clone().without_people();
+        self.with_approval(Approval::Never)
+            .with_trust(Trust::Promised)
+            .with_autonomy(autonomy)
+    }
+
     /// Sets when the world is observed.
     #[must_use]
     pub fn with_watch(self, watch: Watch) -> Self {

@@ -145,9 +145,9 @@ pub struct StepNode {
     pub call: String,
     /// The name of the hand, arm or robot; none in a domain with only one.
     pub lane: Option<String>,
-    /// What the step is needed for; none if nothing needs it.
+    /// The later step or goal that needs the step; none if nothing needs it.
     pub reason: Option<String>,
-    /// The same without a fact that is among the changes.
+    /// The reason without a fact that is among the changes.
     pub brief_reason: Option<String>,
     /// The numbers of the later steps that need it.
     pub needed_by: Vec<usize>,

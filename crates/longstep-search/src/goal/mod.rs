@@ -23,6 +23,7 @@ mod invariant;
 mod language;
 mod names;
 mod partial_answer;
+mod purpose_file;
 mod relative;
 mod stages;
 #[cfg(test)]
@@ -37,6 +38,7 @@ pub use group::{Group, Quantifier};
 pub use language::{JOINT, QUESTION, STAGE, parse, rules};
 pub use names::read_form;
 pub use partial_answer::{Begun, Next, ended};
+pub use purpose_file::with_purpose;
 pub use relative::add_values;
 
 use expansion::Expansion;

@@ -7,6 +7,7 @@ use axum::http::header::{AUTHORIZATION, COOKIE, HOST, ORIGIN};
 use axum::http::{HeaderMap, Method};
 use sha2::{Digest, Sha256};
 
+use crate::id::hexadecimal;
 use crate::problem::{Problem, ProblemKind};
 
 /// The name of the cookie of the page.
@@ -79,8 +80,7 @@ impl Token {
 
     /// Returns the value of the cookie, from which the token cannot be computed.
     fn cookie(&self) -> String {
-        let hash = Sha256::digest(format!("the page of longstep {}", self.0));
-        hash.iter().map(|byte| format!("{byte:02x}")).collect()
+        hexadecimal(&Sha256::digest(format!("the page of longstep {}", self.0)))
     }
 }
 

@@ -23,7 +23,7 @@ const ALIVE: Duration = Duration::from_secs(15);
 /// The most events that are read at once.
 const AT_ONCE: usize = 500;
 
-/// What a reader wants.
+/// The events that a reader wants.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Wanted {

@@ -6,6 +6,7 @@ mod events;
 mod openapi;
 mod pages;
 mod reply;
+mod router;
 mod routes;
 mod serve;
 
@@ -25,7 +26,7 @@ const REQUESTS: usize = 256;
 /// The most readers of the live stream.
 const READERS: usize = 512;
 
-/// What every request needs.
+/// The state that all requests share.
 #[derive(Clone)]
 pub(crate) struct Shared {
     pub(crate) hub: Arc<Hub>,

@@ -8,7 +8,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::problem::{Problem, ProblemKind};
 
@@ -51,10 +51,14 @@ pub(crate) fn status(kind: ProblemKind) -> StatusCode {
     }
 }
 
+/// Returns a problem as JSON.
+pub(crate) fn body_of(problem: &Problem) -> Reply<Value> {
+    Reply(json!({"error": {"kind": problem.kind.name(), "message": problem.message, "hint": problem.hint}}))
+}
+
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let body = json!({"error": {"kind": self.kind.name(), "message": self.message, "hint": self.hint}});
-        let mut response = (status(self.kind), Reply(body)).into_response();
+        let mut response = (status(self.kind), body_of(&self)).into_response();
         if self.kind == ProblemKind::Busy {
             response
                 .headers_mut()

@@ -15,7 +15,7 @@ use tokio::sync::Semaphore;
 
 use super::Shared;
 use super::access::Access;
-use super::routes::router;
+use super::router::router;
 use crate::hub::Hub;
 
 /// The most connections at a time.
@@ -31,7 +31,7 @@ const GRACE: Duration = Duration::from_secs(5);
 const FULL: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nRetry-After: 2\r\nConnection: close\r\n\
 Content-Length: 82\r\n\r\n{\"error\":{\"kind\":\"busy\",\"message\":\"too many connections at a time\",\"hint\":null}}\r\n";
 
-/// What a server needs besides its hub.
+/// The options of a server besides its hub.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ServeOptions {

@@ -13,7 +13,6 @@ use super::offer::Offer;
 use super::reply::{Reply, section};
 use super::text;
 use crate::approval::world_hash;
-use crate::audit::Deed;
 use crate::id::{RunId, SessionId};
 use crate::problem::{Problem, ProblemKind};
 use crate::run::RunView;
@@ -114,12 +113,7 @@ impl Shared {
 
     /// Notes in the audit log that something was not approved. The refusal counts even if it cannot be noted.
     pub(super) fn refused(&self, by: &str, session: &SessionId, plan: &str, why: &str) {
-        let deed = Deed::Refused {
-            session: session.clone(),
-            plan: plan.to_owned(),
-            why: why.to_owned(),
-        };
-        let _ = self.hub.audit().add(by, deed);
+        let _ = self.hub.audit().refused(by, session, plan, why);
     }
 
     /// Accepts the plan of an offer, unless it was accepted before.

@@ -24,7 +24,7 @@ const EXPLAINED: usize = 100;
 #[derive(Debug, Serialize)]
 struct Explained {
     session: SessionId,
-    /// What `execute_plan` names.
+    /// The id that `execute_plan` names.
     plan_id: String,
     /// The hash of the plan.
     hash: String,
@@ -46,9 +46,9 @@ struct ExplainedStep {
     /// From 1, as in texts.
     number: usize,
     text: String,
-    /// What the step makes true or false.
+    /// The facts that the step makes true or false.
     brings_about: Vec<String>,
-    /// What would be wrong without it.
+    /// The fault of the plan without it.
     without_it: Vec<String>,
 }
 

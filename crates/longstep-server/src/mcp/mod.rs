@@ -25,6 +25,7 @@ mod consent;
 mod execute;
 mod explain;
 mod face;
+mod handler;
 mod offer;
 mod operate;
 mod options;

@@ -27,7 +27,7 @@ const PULSE: Duration = Duration::from_secs(10);
 /// A session, with the id under which its plan can be carried out.
 #[derive(Debug, Serialize)]
 struct Shown<'s> {
-    /// What `execute_plan` names; none without a plan.
+    /// The id that `execute_plan` names; none without a plan.
     plan_id: Option<String>,
     /// The hash of the plan that it names.
     hash: Option<String>,

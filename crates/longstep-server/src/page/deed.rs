@@ -64,7 +64,7 @@ macro_rules! deeds {
 }
 
 deeds!(
-    /// What a form does with a session.
+    /// A deed of a form on a session.
     SessionDeed {
         /// Gives an instruction.
         Instruct = "instruct",
@@ -88,7 +88,7 @@ deeds!(
 );
 
 deeds!(
-    /// What a form does with a run, besides the stop.
+    /// A deed of a form on a run, besides the stop.
     RunDeed {
         /// Answers its question.
         Decide = "decide",

@@ -15,7 +15,7 @@
 
   function copyAttributes(from, to) {
     for (const { name } of [...from.attributes]) {
-      // What a person has opened stays open.
+      // Details that a person has opened stay open.
       if (!to.hasAttribute(name) && name !== "open") from.removeAttribute(name);
     }
     for (const { name, value } of to.attributes) {

@@ -19,7 +19,7 @@ pub(super) fn stylesheet() -> String {
 pub(super) struct Moment {
     /// The step with its states.
     pub(super) frame: Frame,
-    /// What the step changes, in words.
+    /// The changes of the step, in words.
     pub(super) changes: Vec<String>,
 }
 

@@ -15,7 +15,7 @@ pub(crate) struct Sheet {
     pub(super) path: String,
     /// The part that changes.
     pub(super) live: Markup,
-    /// What the page follows on the live stream: a query such as `?run=ID`; none for a page that does not change.
+    /// The part of the live stream that the page follows: a query such as `?run=ID`; none for a page that does not change.
     pub(super) follows: Option<String>,
     /// The run that the stop of this page stops; none for all robots.
     pub(super) stops: Option<Stops>,

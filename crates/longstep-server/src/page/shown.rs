@@ -10,7 +10,7 @@ use crate::id::ApprovalId;
 use crate::run::{Body, RobotEntry, RunView};
 use crate::view::{SessionView, Snapshot};
 
-/// What a person looks at in a session.
+/// The part of a session that a person looks at.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Look {
     /// The step whose picture is shown, from 0; none for the beginning.
@@ -37,7 +37,7 @@ impl Look {
     }
 }
 
-/// What the parts of the page of a session need.
+/// The data of the page of a session.
 pub(super) struct Shown<'a> {
     pub(super) hub: &'a Hub,
     pub(super) snapshot: &'a Snapshot,

@@ -9,6 +9,6 @@ mod work;
 
 pub(crate) use hosted::HostedRun;
 pub(crate) use queue::Queues;
-pub use robots::{Body, OpenRobot, OpenedRobot, RobotEntry};
+pub use robots::{Body, OpenRobot, RobotEntry};
 pub use view::{EndView, QuestionView, RunRecord, RunState, RunView};
 pub(crate) use work::{Start, Task};

@@ -4,10 +4,9 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use longstep_robot::{Driven, drive};
+use longstep_robot::{Driven, Opened, drive};
 
 use super::hosted::HostedRun;
-use super::robots::OpenedRobot;
 use super::view::RunState;
 use super::work::{Begun, Task};
 use crate::problem::{Problem, ProblemKind};
@@ -112,7 +111,7 @@ impl Queues {
     }
 
     /// Carries out a run, on the robot of the run that it interrupts or on its own.
-    fn carry_out(&self, body: &BodyKey, task: Task, robot: Option<&mut OpenedRobot>) {
+    fn carry_out(&self, body: &BodyKey, task: Task, robot: Option<&mut Opened>) {
         let run = Arc::clone(task.run());
         if run.control().is_stop_requested() {
             task.end_unbegun("stopped before it began");
@@ -132,7 +131,7 @@ impl Queues {
         self.left(body);
     }
 
-    fn begin(&self, body: &BodyKey, task: &Task, opened: &mut OpenedRobot) {
+    fn begin(&self, body: &BodyKey, task: &Task, opened: &mut Opened) {
         opened.robot.begin_plan(task.world());
         match task.begin(opened) {
             Ok(begun) => self.drive(body, task, begun, opened),
@@ -141,7 +140,7 @@ impl Queues {
     }
 
     /// Drives an execution to its end. While it is paused, urgent runs use its robot.
-    fn drive(&self, body: &BodyKey, task: &Task, mut begun: Begun, opened: &mut OpenedRobot) {
+    fn drive(&self, body: &BodyKey, task: &Task, mut begun: Begun, opened: &mut Opened) {
         let run = task.run();
         let mut watcher = task.watcher(&begun);
         loop {
@@ -158,7 +157,7 @@ impl Queues {
     }
 
     /// Carries out the urgent runs that wait, on the robot of a run that is paused.
-    fn interrupt(&self, body: &BodyKey, opened: &mut OpenedRobot, run: &HostedRun) {
+    fn interrupt(&self, body: &BodyKey, opened: &mut Opened, run: &HostedRun) {
         while let Some(task) = self.next(body, |task| task.run().record().urgent) {
             run.update(|view| view.state = RunState::Paused);
             let urgent = Arc::clone(task.run());

@@ -6,34 +6,13 @@ use longstep_core::autonomy::Autonomy;
 use longstep_core::environment::World;
 use longstep_core::execution::Settings;
 use longstep_core::skill::Skills;
-use longstep_robot::{OpenOptions, Robot, RobotKind, RobotReference, RunStart, StopRequest};
+use longstep_robot::{OpenOptions, Opened, Robot, RobotKind, RobotReference, RunStart, StopRequest};
 use serde::Serialize;
 
 use crate::problem::Problem;
 
-/// An open robot.
-pub struct OpenedRobot {
-    /// The robot.
-    pub robot: Box<dyn Robot>,
-    /// True if nothing moves.
-    pub is_dry: bool,
-    /// The levels of autonomy, and the limits, of its configuration.
-    pub autonomy: Autonomy,
-}
-
-impl OpenedRobot {
-    /// Takes a robot that moves.
-    pub fn new(robot: impl Robot + 'static) -> Self {
-        Self {
-            robot: Box::new(robot),
-            is_dry: false,
-            autonomy: Autonomy::default(),
-        }
-    }
-}
-
 /// Opens a robot in a world, on the thread of the run. The request stops the opening.
-pub type OpenRobot = Arc<dyn Fn(&World, &StopRequest, RunStart) -> Result<OpenedRobot, Problem> + Send + Sync>;
+pub type OpenRobot = Arc<dyn Fn(&World, &StopRequest, RunStart) -> Result<Opened, Problem> + Send + Sync>;
 
 /// Whose world a robot moves in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -81,12 +60,7 @@ impl RobotEntry {
     pub fn of_reference(name: &str, reference: &RobotReference, options: &OpenOptions) -> Self {
         let (own, options) = (reference.clone(), options.clone());
         let open = move |world: &World, request: &StopRequest, start: RunStart| {
-            let opened = longstep_robot::open(&own, world, &options, request, start)?;
-            Ok(OpenedRobot {
-                robot: opened.robot,
-                is_dry: opened.is_dry,
-                autonomy: opened.autonomy,
-            })
+            Ok(longstep_robot::open(&own, world, &options, request, start)?)
         };
         let entry = Self::new(name, reference.as_written(), Arc::new(open));
         let is_private = matches!(reference.kind(), RobotKind::Sim(_));
@@ -121,13 +95,7 @@ impl RobotEntry {
         robot: &dyn Robot,
         autonomy: &Autonomy,
     ) -> Result<Settings, Problem> {
-        if !robot.describe().observes {
-            return Err(
-                Problem::conflict("this robot does not observe, so its plan cannot be monitored")
-                    .hint("let the robot's program declare the capability `observe` and answer `observe`"),
-            );
-        }
-        let reports = longstep_robot::reports(robot, world).map_err(|error| Problem::conflict(error.to_string()))?;
+        let reports = longstep_robot::observed_reports(robot, world)?;
         let autonomy = self.settings.autonomy.and(autonomy);
         let settings = self.settings.clone().with_reports(reports).with_autonomy(autonomy);
         let Some(text) = &self.skills else {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::id::{ApprovalId, RunId, SessionId};
 
-/// What a run needs besides its log.
+/// The data of a run besides its log.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RunRecord {
@@ -79,7 +79,7 @@ impl RunState {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct QuestionView {
-    /// What an answer names: the hash of the proposal, or the number of the question.
+    /// The id that an answer names: the hash of the proposal, or the number of the question.
     pub id: String,
     /// `plan`, `change`, `step`, `judge` or `confirm`.
     pub kind: &'static str,
@@ -107,7 +107,7 @@ pub struct EndView {
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct RunView {
-    /// What began it.
+    /// The beginning: the plan, its approval and its robot.
     #[serde(flatten)]
     pub record: RunRecord,
     /// Its state.
@@ -118,11 +118,11 @@ pub struct RunView {
     pub steps: Vec<BoardStep>,
     /// The lines of the steps, which refer to them by number.
     pub lines: Vec<BoardLine>,
-    /// What the robot said last about a step under way.
+    /// The last feedback of the robot about a step under way.
     pub feedback: Option<String>,
     /// The question that waits for a person.
     pub question: Option<QuestionView>,
-    /// What was noticed, in order: differences, changes, failures.
+    /// Differences, changes and failures, in order.
     pub notices: Vec<String>,
     /// The number of events in its log.
     pub events: usize,

@@ -1,4 +1,4 @@
-//! What a run tells the people beside it, and asks them.
+//! The people beside a run: its log, its view, and their answers.
 
 use longstep_core::domain::phrase;
 use longstep_core::execution::{Board, Effect, Event, Execution, Proposal, StepOrder, Subject, Unseen};

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use longstep_core::environment::World;
-use longstep_core::execution::{Aim, Approval, Event, Execution, Resumed, Stop, Trust};
+use longstep_core::execution::{Aim, Event, Execution, Resumed, Stop};
 use longstep_core::verify::VerifiedPlan;
-use longstep_robot::{RunHeader, RunStart, preflight};
+use longstep_robot::{Opened, RunHeader, RunStart, check_resumed, preflight};
 
 use super::hosted::HostedRun;
-use super::robots::{OpenedRobot, RobotEntry};
+use super::robots::RobotEntry;
 use super::view::{EndView, RunState};
 use super::watch::Watching;
 use crate::audit::{Audit, Deed};
@@ -65,7 +65,7 @@ impl Task {
     }
 
     /// Opens the robot.
-    pub(super) fn open(&self) -> Result<OpenedRobot, Problem> {
+    pub(super) fn open(&self) -> Result<Opened, Problem> {
         self.run.update(|view| view.state = RunState::Opening);
         let request = self.run.control().stop_request();
         let start = match &self.start {
@@ -78,17 +78,14 @@ impl Task {
     }
 
     /// Begins the execution on a robot, and its log.
-    pub(super) fn begin(&self, opened: &OpenedRobot) -> Result<Begun, Problem> {
-        let OpenedRobot { is_dry, autonomy, .. } = opened;
+    pub(super) fn begin(&self, opened: &Opened) -> Result<Begun, Problem> {
+        let Opened { is_dry, autonomy, .. } = opened;
         let (robot, is_dry) = (opened.robot.as_ref(), *is_dry);
         let execution = match &self.start {
             Start::Plan { plan, aim, domain } => {
                 let mut settings = self.entry.settings_in(plan.world(), robot, autonomy)?;
                 if is_dry {
-                    // Nothing moves, and nothing is observed.
-                    let autonomy = settings.autonomy.clone().without_people();
-                    let settings_of_dry = settings.with_approval(Approval::Never).with_trust(Trust::Promised);
-                    settings = settings_of_dry.with_autonomy(autonomy);
+                    settings = settings.for_dry_run();
                 }
                 preflight(robot, plan, &settings.skills).map_err(|error| Problem::conflict(error.to_string()))?;
                 let execution =
@@ -106,12 +103,7 @@ impl Task {
                 self.store.own(&self.log())?;
                 let resumed = Execution::resume(world.domain(), events, Resumed::default());
                 let execution = resumed.map_err(|error| Problem::conflict(error.to_string()))?;
-                let settings = self.entry.settings_in(execution.world(), robot, autonomy)?;
-                if settings.reports != execution.settings().reports {
-                    return Err(Problem::conflict(
-                        "this robot reports other facts than the robot with which the run began",
-                    ));
-                }
+                check_resumed(&execution, robot)?;
                 execution
             }
         };

@@ -1,4 +1,4 @@
-//! What outlives a server: logs, records that are written once, and the right to continue a log.
+//! The data that outlives a server: logs, records that are written once, and the right to continue a log.
 
 mod files;
 
@@ -105,7 +105,7 @@ pub enum RecordKey {
     Approval(crate::id::ApprovalId),
     /// The use of an approval, by the run that it began.
     Use(crate::id::ApprovalId),
-    /// What a run needs besides its log.
+    /// The data of a run besides its log.
     Run(RunId),
 }
 

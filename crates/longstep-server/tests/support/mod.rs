@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, TokenCounter};
 use longstep_core::environment::World;
 use longstep_llm::{ChatModel, ModelError, Progress, Watch};
-use longstep_robot::{RunStart, Sim, SimOptions, StopRequest};
+use longstep_robot::{Opened, RunStart, Sim, SimOptions, StopRequest};
 use longstep_server::{
-    Body, Configuration, Domains, FileStore, Hub, Models, OpenedRobot, Problem, ProblemKind, RobotEntry, RunId,
-    RunView, Scene, Store,
+    Body, Configuration, Domains, FileStore, Hub, Models, Problem, ProblemKind, RobotEntry, RunId, RunView, Scene,
+    Store,
 };
 use tempfile::TempDir;
 
@@ -84,7 +84,7 @@ pub fn simulated(name: &str, options: SimOptions, body: Body) -> RobotEntry {
     let open = move |world: &World, _: &StopRequest, _: RunStart| {
         let sim = Sim::new(world.clone(), &options);
         let sim = sim.map_err(|error| Problem::new(ProblemKind::Failed, error.to_string()))?;
-        Ok(OpenedRobot::new(sim))
+        Ok(Opened::new(sim))
     };
     RobotEntry::new(name, "sim", Arc::new(open)).with_body(body)
 }

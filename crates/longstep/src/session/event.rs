@@ -191,6 +191,29 @@ pub enum Event {
     Cancel,
 }
 
+impl Event {
+    /// Returns true for an event that a crash of the machine must not lose: it is flushed to the disk before the session
+    /// continues.
+    ///
+    /// ```
+    /// use longstep::session::Event;
+    /// assert!(Event::Undo { number: 0 }.is_lasting() && !Event::Cancel.is_lasting());
+    /// ```
+    pub fn is_lasting(&self) -> bool {
+        matches!(
+            self,
+            Self::Begin { .. }
+                | Self::Accept { .. }
+                | Self::Undo { .. }
+                | Self::Rule { .. }
+                | Self::Lifted { .. }
+                | Self::Ended { .. }
+                | Self::Observed { .. }
+                | Self::CarriedOut { .. }
+        )
+    }
+}
+
 /// A message of a conversation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]

@@ -87,7 +87,7 @@ use crate::dialogue::{Counting, Message, Prepared, PromptError, Reading, TokenCo
 use crate::environment::World;
 use crate::model::Domain;
 use crate::plan::PlanFile;
-use crate::report::Answer;
+use crate::report::{Answer, Status};
 use crate::search::Limits;
 
 use observed::{Pending, Taken};
@@ -237,6 +237,48 @@ impl Session {
             },
             Stage::Stuck(_, failure) => Response::NoPlan(failure),
             Stage::Ending(_) => Response::Endings(self.endings()),
+        }
+    }
+
+    /// Returns what came of the instruction as an answer, as the program prints it: a plan, a question, or the reasons why
+    /// there is no plan. None between instructions, while a model works, and for a [failure](Session::failure) that says
+    /// nothing about plans.
+    ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Settings};
+    /// use longstep::report::Status;
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"]}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.instruct("Put it on the shelf")?;
+    /// assert!(session.report().is_none());
+    /// # session.next_request(&mut EstimatedTokens::default())?;
+    /// session.supply(&Reply::complete(r#"{"question": "Which one?", "goal": "", "left_out": []}"#), 700.0)?;
+    /// let answer = session.report().unwrap();
+    /// assert_eq!((answer.status, answer.plan.question.as_str()), (Status::Question, "Which one?"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn report(&self) -> Option<Answer> {
+        match self.response() {
+            Response::Plan(proposal) => Some(proposal.answer.clone()),
+            Response::Consent(proposal) => {
+                let question = proposal.question.as_deref().unwrap_or_default();
+                Some(proposal.answer.as_question(&self.world, question))
+            }
+            Response::Question(question) => {
+                let instruction = self.instruction().unwrap_or_default();
+                let mut answer = Answer::without_plan(Status::Question, &self.world, instruction, question);
+                let (usage, milliseconds) = self.cost();
+                answer.usage = usage.into();
+                answer.readings = self.readings().to_vec();
+                answer.timings_ms.model = milliseconds;
+                Some(answer)
+            }
+            Response::NoPlan(failure) => failure.answer().cloned(),
+            Response::Ready | Response::Waiting | Response::Endings(_) => None,
         }
     }
 
