@@ -7,6 +7,7 @@ mod model;
 mod robot;
 mod run;
 mod see;
+mod serve;
 mod strategy;
 mod teach;
 mod world;
@@ -22,6 +23,7 @@ pub(crate) use model::{ModelArguments, ModelCommand};
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
 pub(crate) use run::{ApprovalArgument, ExecutionArguments, ObserveArgument, RunArguments, TrustArgument};
 pub(crate) use see::SeeArguments;
+pub(crate) use serve::ServeArguments;
 pub(crate) use strategy::StrategyArguments;
 pub(crate) use teach::TeachArguments;
 pub(crate) use world::{DraftArguments, WorldArguments, domain_or_default, required};
@@ -59,6 +61,8 @@ pub(crate) enum Command {
     Teach(TeachArguments),
     /// Carry out a plan on a robot: monitor each step, and mend the plan when the world changes
     Run(RunArguments),
+    /// Serve sessions, approvals and runs: a page for people, HTTP for programs
+    Serve(Box<ServeArguments>),
     /// Check the configuration of a robot, or make an environment file from a running simulator
     #[command(subcommand)]
     Robot(RobotCommand),

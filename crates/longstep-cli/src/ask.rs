@@ -40,6 +40,14 @@ pub(crate) fn seeing_model(arguments: &ModelArguments, vision: Option<&Path>) ->
     })?)
 }
 
+/// Opens a model with a spinner on stderr, on whichever thread.
+pub(crate) fn open_with_spinner(arguments: &ModelArguments) -> Result<Box<dyn ChatModel>, ModelError> {
+    let spinner = Spinner::new();
+    opened(arguments.name(), arguments, None, &mut |progress| {
+        spinner.show(&progress)
+    })
+}
+
 /// Opens a model without a spinner.
 pub(crate) fn open_quietly(arguments: &ModelArguments) -> Result<Box<dyn ChatModel>, ModelError> {
     opened(arguments.name(), arguments, None, &mut |_| {})

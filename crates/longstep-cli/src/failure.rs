@@ -39,8 +39,13 @@ impl Failure {
 
     /// A failure for several reasons, each of which is a line.
     pub(crate) fn several(messages: Vec<String>) -> Self {
+        Self::several_of(messages, UNREADABLE)
+    }
+
+    /// As [`Failure::several`], with an exit code.
+    pub(crate) fn several_of(messages: Vec<String>, code: u8) -> Self {
         let mut messages = messages.into_iter();
-        let first = Self::unreadable(messages.next().unwrap_or_default());
+        let first = Self::new(messages.next().unwrap_or_default(), code);
         Self {
             further: messages.collect(),
             ..first

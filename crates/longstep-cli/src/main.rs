@@ -31,6 +31,7 @@ mod repair;
 mod robot;
 mod run;
 mod see;
+mod serve;
 mod session;
 mod show;
 mod signals;
@@ -65,6 +66,7 @@ fn run(command: &mut Command) -> anyhow::Result<u8> {
         Command::Repair(arguments) => repair::run(arguments),
         Command::Teach(arguments) => teach::run(arguments),
         Command::Run(arguments) => run::run(arguments),
+        Command::Serve(arguments) => serve::run(arguments),
         Command::Robot(command) => robot::run(command),
         Command::Export(arguments) => export::run(arguments),
         Command::Solve(arguments) => solve::run(arguments),

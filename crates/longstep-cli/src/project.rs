@@ -11,7 +11,7 @@ use toml::{Spanned, Value};
 /// The name of the file.
 pub(crate) const FILE: &str = "longstep.toml";
 
-const KEYS: [&str; 5] = ["domain", "environment", "robot", "rules", "model"];
+const KEYS: [&str; 6] = ["domain", "environment", "robot", "autonomy", "rules", "model"];
 
 /// The content of a project file, with its paths as seen from the working folder.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -21,6 +21,7 @@ pub(crate) struct Project {
     pub(crate) domain: Option<String>,
     pub(crate) environment: Option<PathBuf>,
     pub(crate) robot: Option<String>,
+    pub(crate) autonomy: Option<PathBuf>,
     pub(crate) rules: Option<PathBuf>,
     pub(crate) model: Option<String>,
 }
@@ -96,6 +97,7 @@ impl Project {
             "domain" => self.domain = Some(domain_in(folder, text)),
             "environment" => self.environment = Some(folder.join(text)),
             "robot" => self.robot = Some(robot_in(folder, text)),
+            "autonomy" => self.autonomy = Some(folder.join(text)),
             "rules" => self.rules = Some(folder.join(text)),
             _ => self.model = Some(model_in(folder, text)),
         }
@@ -167,12 +169,13 @@ mod tests {
     #[test]
     fn paths_are_relative_to_the_file() {
         let text = "domain = \"porter\"\nenvironment = \"kitchen.json\"\nrobot = \"ros2:robot.toml\"\n\
-                    rules = \"rules.txt\"\nmodel = \"replay:said.json\"\n";
+                    autonomy = \"autonomy.toml\"\nrules = \"rules.txt\"\nmodel = \"replay:said.json\"\n";
         let expected = Project {
             shown: "up/longstep.toml".to_owned(),
             domain: Some("up/porter".to_owned()),
             environment: Some("up/kitchen.json".into()),
             robot: Some("ros2:up/robot.toml".to_owned()),
+            autonomy: Some("up/autonomy.toml".into()),
             rules: Some("up/rules.txt".into()),
             model: Some("replay:up/said.json".to_owned()),
         };
@@ -192,7 +195,7 @@ mod tests {
             ),
             (
                 "colour = \"red\"",
-                "up/longstep.toml:1:1: unknown key `colour`\n  hint: the keys are domain, environment, robot, rules, model",
+                "up/longstep.toml:1:1: unknown key `colour`\n  hint: the keys are domain, environment, robot, autonomy, rules, model",
             ),
             (
                 "\nrules = [\"a\"]",

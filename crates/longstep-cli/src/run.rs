@@ -7,17 +7,16 @@ mod person;
 pub(crate) mod robot;
 mod view;
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use longstep_core::domain::phrase;
 use longstep_core::environment::World;
-use longstep_core::execution::{Approval, Event, Execution, Resumed, Stop, Trust, Watch};
+use longstep_core::execution::{Approval, Execution, Resumed, Stop, Trust, Watch};
 use longstep_core::secret;
 use longstep_files::session_directory;
 use longstep_llm::load_domain;
-use longstep_robot::{Robot, RunControl, RunHeader, RunLog, StopRequest, drive, reports};
+use longstep_robot::{Opened, Robot, RunControl, RunHeader, RunLog, RunStart, StopRequest, drive, reports};
 
 use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments, TrustArgument, domain_or_default};
 use crate::exit_code::{GAVE_UP, LIMIT, NOT_SEEN, NOT_VALID, ROBOT, STOPPED, UNSOLVABLE};
@@ -30,7 +29,7 @@ use person::Person;
 
 pub(crate) use begin::{aim_of, execution, observing};
 pub(crate) use person::{Decide, Question};
-pub(crate) use robot::{Opened, RunStart, exit_code as robot_exit_code, failure as robot_failure, open};
+pub(crate) use robot::{exit_code as robot_exit_code, failure as robot_failure, open};
 pub(crate) use view::{View, end};
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
@@ -105,7 +104,7 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
         execution.world(),
         arguments.execution.live,
         &request,
-        entry(&events),
+        RunStart::of_log(&events),
     )?;
     if opened.is_dry {
         return Err(Failure::unreadable("an interrupted run can only go on for real: this robot is not a simulation")
@@ -113,27 +112,9 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
             .into());
     }
     check_resumed(&execution, opened.robot.as_ref())?;
+    check_limits(arguments, &execution, &opened)?;
     remark!("Resuming {}", path.display());
     carry_out(arguments, execution, opened, (log, path), &request)
-}
-
-/// Returns how a run goes on: the robot may still perform an order whose end the log does not have.
-fn entry(events: &[Event]) -> RunStart {
-    let mut open = BTreeSet::new();
-    for event in events {
-        match event {
-            Event::Ordered { order, .. } => drop(open.insert(*order)),
-            Event::Performed { order, .. } | Event::Failed { order, .. } => drop(open.remove(order)),
-            // The orders before an earlier interruption were ended when the run went on.
-            Event::Interrupted { .. } => open.clear(),
-            _ => {}
-        }
-    }
-    if open.is_empty() {
-        RunStart::New
-    } else {
-        RunStart::Interrupted
-    }
 }
 
 /// Refuses a robot that does not observe what the run compares.
@@ -146,6 +127,20 @@ fn check_resumed(execution: &Execution, robot: &dyn Robot) -> Result<()> {
         Err(
             Failure::unreadable("this robot reports other facts than the robot with which the run began")
                 .hint("resume with the same robot")
+                .into(),
+        )
+    }
+}
+
+/// Refuses levels and limits that are stricter than those with which the run began.
+fn check_limits(arguments: &RunArguments, execution: &Execution, opened: &Opened) -> Result<()> {
+    let now = begin::autonomy(&arguments.execution, opened, execution.world())?;
+    if execution.settings().autonomy.is_as_strict_as(&now) {
+        Ok(())
+    } else {
+        Err(
+            Failure::unreadable("the levels or limits are stricter than those with which the run began")
+                .hint("begin a new run, in which they are in force")
                 .into(),
         )
     }
@@ -166,7 +161,7 @@ fn carry_out(
     (log, path): (RunLog, &Path),
     request: &StopRequest,
 ) -> Result<u8> {
-    let Opened { mut robot, is_dry } = opened;
+    let Opened { mut robot, is_dry, .. } = opened;
     let robot = robot.as_mut();
     if let Some(file) = arguments.save_after.as_ref().filter(|_| is_dry) {
         return Err(
@@ -255,7 +250,7 @@ fn code(stop: &Stop) -> u8 {
     match stop {
         Stop::NoPlan { .. } => UNSOLVABLE,
         Stop::GaveUp { .. } => GAVE_UP,
-        Stop::Broken { .. } => NOT_VALID,
+        Stop::Broken { .. } | Stop::OutOfLimits { .. } => NOT_VALID,
         Stop::TooManyChanges(_) | Stop::Repeated => LIMIT,
         Stop::Unseen { .. } => NOT_SEEN,
         Stop::Robot(_) => ROBOT,

@@ -90,6 +90,42 @@ pub(crate) fn end_with(_: impl Fn() + Send + Clone + 'static) -> std::io::Result
     Ok(())
 }
 
+/// Returns what completes with the first signal to end; a second one ends the program.
+pub(crate) fn ended() -> std::io::Result<impl Future<Output = ()>> {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::task::{Poll, Waker};
+
+    let waker: Arc<Mutex<Option<Waker>>> = Arc::default();
+    let is_ended = Arc::new(AtomicBool::new(false));
+    let react = {
+        let (waker, is_ended) = (Arc::clone(&waker), Arc::clone(&is_ended));
+        move || {
+            if is_ended.swap(true, Ordering::SeqCst) {
+                std::process::exit(i32::from(STOPPED));
+            }
+            if let Some(waker) = waker.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                waker.wake();
+            }
+        }
+    };
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+        watch(&[SIGINT, SIGTERM, SIGHUP], react)?;
+    }
+    #[cfg(not(unix))]
+    ctrlc::set_handler(react).map_err(std::io::Error::other)?;
+    Ok(std::future::poll_fn(move |context| {
+        *waker.lock().unwrap_or_else(PoisonError::into_inner) = Some(context.waker().clone());
+        if is_ended.load(Ordering::SeqCst) {
+            Poll::Ready(())
+        } else {
+            Poll::Pending
+        }
+    }))
+}
+
 #[cfg(unix)]
 fn watch(signals: &[std::ffi::c_int], react: impl Fn() + Send + 'static) -> std::io::Result<()> {
     let mut signals = signal_hook::iterator::Signals::new(signals)?;

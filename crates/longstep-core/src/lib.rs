@@ -7,7 +7,8 @@
 //! - `longstep-verify`: [`plan`], [`skill`], [`verify`], [`message`], [`cursor`].
 //! - `longstep-search`: [`goal`], [`search`], [`repair`], [`schedule`], [`pddl`].
 //!
-//! Its own module is [`execution`]: a plan that a robot carries out, monitored and mended. A program that only verifies
+//! Its own modules are [`autonomy`], the levels and limits of a robot, and [`execution`]: a plan that a robot carries out,
+//! monitored and mended. A program that only verifies
 //! plans depends on `longstep-verify`. The feature `testing` adds worlds and plans for tests, the module `testing`.
 
 pub use longstep_model::{call, diagnostic, domain, effort, environment, geometry, json, model, secret, visible};
@@ -16,4 +17,5 @@ pub use longstep_search::testing;
 pub use longstep_search::{goal, pddl, repair, schedule, search};
 pub use longstep_verify::{cursor, message, plan, skill, verify};
 
+pub mod autonomy;
 pub mod execution;

@@ -13,12 +13,13 @@ use std::path::{Path, PathBuf};
 type Edges = BTreeMap<String, BTreeMap<String, Vec<String>>>;
 
 /// Crates from the ground up: each may depend on those before it.
-const ORDER: [&str; 12] = [
+const ORDER: [&str; 13] = [
     "longstep-model",
     "longstep-files",
     "longstep-verify",
     "longstep-search",
     "longstep-core",
+    "longstep-picture",
     "longstep-teach",
     "longstep-robot",
     "longstep",

@@ -1,6 +1,6 @@
 //! An execution driven on a robot.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use longstep_core::environment::{ObservedFacts, World};
 use longstep_core::execution::{Event, Execution, Need, Proposal, StepOrder as Wanted, Stop, Unseen};
@@ -164,6 +164,7 @@ pub fn drive(
         watcher,
         control,
         running: Vec::new(),
+        announced: None,
         is_unanswered: false,
     };
     driver.run()
@@ -175,6 +176,8 @@ struct Driver<'a> {
     watcher: &'a mut dyn Watcher,
     control: &'a RunControl,
     running: Vec<Running>,
+    /// The time of the last announcement of a step.
+    announced: Option<Instant>,
     /// True if the run stops because a question has no answer.
     is_unanswered: bool,
 }
@@ -251,6 +254,7 @@ impl Driver<'_> {
                     }
                     None => self.leave(),
                 },
+                Need::Announce(order) => self.announce(&order),
                 Need::Wait => self.wait(),
                 Need::Paused => return Driven::Paused,
                 Need::Done => return Driven::Done,
@@ -271,6 +275,9 @@ impl Driver<'_> {
         let events = self.execution.take_events();
         if events.is_empty() {
             return true;
+        }
+        if events.iter().any(|event| matches!(event, Event::Announced { .. })) {
+            self.announced = Some(Instant::now());
         }
         let Err(why) = self.watcher.record(self.execution, &events) else {
             return true;
@@ -341,6 +348,23 @@ impl Driver<'_> {
                 }
             }
             Err(error) => self.fail_robot(&error),
+        }
+    }
+
+    /// Waits a little until the time after an announcement is over, so that a request comes before the step.
+    fn announce(&mut self, order: &Wanted) {
+        let whole = self.execution.settings().autonomy.announcement();
+        let passed = self.announced.map_or(Duration::ZERO, |since| since.elapsed());
+        match whole.checked_sub(passed).filter(|left| !left.is_zero()) {
+            // An order that is gone was withdrawn: the next need says what follows.
+            None => drop(self.execution.announced(order.number)),
+            Some(left) if self.running.is_empty() => {
+                let limit = left.min(WAIT);
+                let begun = Instant::now();
+                self.robot.wait(limit);
+                std::thread::sleep(limit.saturating_sub(begun.elapsed()));
+            }
+            Some(_) => self.wait(),
         }
     }
 

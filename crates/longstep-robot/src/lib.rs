@@ -19,7 +19,7 @@
 //!
 //! Usage:
 //!
-//! 1. Open a robot and read its [`Robot::describe`]: actions it lacks are found before anything moves.
+//! 1. [`open`] a robot that a [`RobotReference`] names, and read its [`Robot::describe`]: actions it lacks are found before anything moves.
 //! 2. Give its [`Robot::stop_switch`] to whatever handles signals.
 //! 3. [`Robot::start`] an order, then [`Robot::poll`] it until it is [`Progress::Done`] or [`Progress::Failed`].
 //! 4. [`Robot::observe`] the world.
@@ -32,6 +32,7 @@ mod dry_run;
 mod error;
 mod exclusive;
 mod lock;
+mod open;
 mod order;
 mod preflight;
 #[cfg(unix)]
@@ -45,6 +46,7 @@ mod processes;
 mod program;
 #[cfg(unix)]
 pub mod recorder;
+mod reference;
 mod robot;
 pub mod ros2;
 mod run_log;
@@ -60,12 +62,14 @@ pub use dry_run::DryRun;
 pub use error::RobotError;
 pub use exclusive::Exclusive;
 pub use longstep_core::environment::Observation;
+pub use open::{OpenError, OpenOptions, Opened, RunStart, lock_folder, open};
 pub use order::{ArgumentValue, Order};
 pub use preflight::preflight;
 #[cfg(unix)]
 pub use presence::Presence;
 #[cfg(unix)]
 pub use program::{CommandLine, CommandLineError};
+pub use reference::{ReferenceError, RobotKind, RobotReference};
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
 pub use run_log::{RunHeader, RunLog, RunLogError};
 pub use scope::Scope;

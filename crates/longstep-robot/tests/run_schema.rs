@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use boon::{Compiler, SchemaIndex, Schemas};
+use longstep_core::autonomy::Autonomy;
 use longstep_core::execution::{Aim, Approval, Event, Execution, Need, Resumed, Settings};
 use longstep_robot::{RunHeader, RunLog, Sim, reports};
 use seeded_runs::{cases, lanes, monitored};
@@ -82,6 +83,29 @@ fn interrupted() -> Vec<Event> {
     panic!("no end")
 }
 
+/// Runs with levels and limits, of which the beginning of the log has each kind.
+fn announced() -> Vec<Event> {
+    let case = &cases(&["household"])[0];
+    let unused = case.world.entities().map(|(id, _)| id);
+    let mut unused = unused.filter(|id| case.plan.steps().iter().all(|step| !step.arguments.contains(id)));
+    let place = case.world.entity(unused.next().unwrap()).identifier.clone();
+    let text = format!(
+        "[autonomy]\ndefault = \"announce\"\nwipe = \"never\"\n[[limit]]\nforbidden = [\"{place}\"]\nsays = \"it is hot\""
+    );
+    let autonomy = Autonomy::parse(case.world.domain(), Some(&case.world), "autonomy.toml", &text).unwrap();
+    let settings = Settings::default()
+        .with_approval(Approval::Never)
+        .with_autonomy(autonomy);
+    let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
+    execution.observed(&execution.statements()).unwrap();
+    let Need::Announce(order) = execution.next_need() else {
+        panic!()
+    };
+    execution.announced(order.number).unwrap();
+    assert!(matches!(execution.next_need(), Need::Perform(_)));
+    execution.take_events()
+}
+
 #[test]
 fn the_schema_describes_the_logs_of_real_runs() {
     let schema = Schema::new();
@@ -108,7 +132,9 @@ fn the_schema_describes_the_logs_of_real_runs() {
         check(number, &run.watcher.events);
     }
     check(1_000, &interrupted());
+    check(1_001, &announced());
     let expected = [
+        "announced",
         "approved",
         "assessed",
         "began",

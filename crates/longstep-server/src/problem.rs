@@ -5,6 +5,7 @@ use longstep::session::{ObserveError, OutOfTurn, ResumeError};
 use longstep_core::secret;
 use longstep_files::DomainError;
 use longstep_llm::{AdvanceError, ModelError};
+use longstep_robot::OpenError;
 
 use crate::store::StoreError;
 
@@ -164,6 +165,13 @@ impl From<AdvanceError> for Problem {
             AdvanceError::OutOfTurn(error) => error.into(),
             error => Self::new(ProblemKind::Failed, error.to_string()),
         }
+    }
+}
+
+impl From<OpenError> for Problem {
+    fn from(error: OpenError) -> Self {
+        let hint = error.hint().map(str::to_owned);
+        Self::new(ProblemKind::Failed, error.to_string()).hinted(hint)
     }
 }
 

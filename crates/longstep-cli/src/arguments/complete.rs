@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use longstep_core::secret;
 
-use super::{Command, DraftArguments, ModelArguments, RobotCommand, RunArguments};
+use super::{Command, DraftArguments, ModelArguments, RobotCommand, RunArguments, ServeArguments};
 use crate::project::Project;
 
 /// The variable that names the domain.
@@ -85,6 +85,15 @@ impl Taken {
         Ok(())
     }
 
+    fn autonomy(&mut self, own: &mut Option<PathBuf>) -> Result<()> {
+        if own.is_none() {
+            own.clone_from(&self.project()?.autonomy);
+            self.values
+                .extend(own.iter().map(|path| format!("autonomy {}", path.display())));
+        }
+        Ok(())
+    }
+
     fn model(&mut self, own: &mut ModelArguments) -> Result<()> {
         if own.model.is_none() {
             own.model.clone_from(&self.project()?.model);
@@ -111,8 +120,29 @@ impl Taken {
         self.domain(&mut own.domain)?;
         self.rules(&mut own.rules)?;
         self.robot(&mut own.robot)?;
+        self.autonomy(&mut own.execution.autonomy)?;
         own.project_env = self.further_environment(own.env.as_ref())?;
         if is_file { Ok(()) } else { self.model(&mut own.model) }
+    }
+
+    fn serve(&mut self, own: &mut ServeArguments) -> Result<()> {
+        self.domain(&mut own.domain)?;
+        self.autonomy(&mut own.execution.autonomy)?;
+        if own.env.is_empty() {
+            let mut env = None;
+            self.environment(&mut env)?;
+            own.env.extend(env);
+        }
+        if own.robot.is_empty() {
+            let mut robot = None;
+            self.robot(&mut robot)?;
+            own.robot.extend(robot);
+        }
+        if own.no_model {
+            Ok(())
+        } else {
+            self.model(&mut own.model)
+        }
     }
 }
 
@@ -138,6 +168,9 @@ impl Command {
                     taken.rules(&mut own.rules)?;
                 }
                 taken.robot(&mut own.robot)?;
+                if own.robot.is_some() {
+                    taken.autonomy(&mut own.execution.autonomy)?;
+                }
                 taken.model(&mut own.model)?;
             }
             Self::Compose(own) => {
@@ -168,6 +201,7 @@ impl Command {
                 own.project_env = taken.further_environment(own.env.as_ref())?;
             }
             Self::Run(own) => taken.run(own)?,
+            Self::Serve(own) => taken.serve(own)?,
             Self::Robot(RobotCommand::Check(own)) => {
                 taken.domain(&mut own.domain)?;
                 taken.environment(&mut own.env)?;

@@ -78,6 +78,9 @@ pub(crate) struct ExecutionArguments {
     /// Values of skill parameters, by action and arguments
     #[arg(long, value_name = "SKILLS.json")]
     pub(crate) skills: Option<PathBuf>,
+    /// Levels of autonomy by action, and limits of values and places, besides those of the robot's own file
+    #[arg(long, value_name = "AUTONOMY.toml")]
+    pub(crate) autonomy: Option<PathBuf>,
 }
 
 /// When a person is asked.

@@ -8,14 +8,14 @@ use anyhow::Result;
 use longstep::session::{ObserveError, Observed};
 use longstep_core::environment::{Observation, World};
 use longstep_files::read_text;
-use longstep_robot::{RunControl, RunHeader, RunLog, Scope, StopRequest, drive};
+use longstep_robot::{Opened, RunControl, RunHeader, RunLog, RunStart, Scope, StopRequest, drive};
 
 use super::input::Lines;
 use super::{Chat, screen};
 use crate::arguments::ExecutionArguments;
 use crate::failure::Failure;
 use crate::output::{self, Style, counted, print_line, remark};
-use crate::run::{self, Decide, Opened, Question, RunStart, View};
+use crate::run::{self, Decide, Question, View};
 use crate::show;
 use crate::signals::{self, Armed};
 
@@ -192,15 +192,14 @@ impl Chat<'_> {
 
     /// Observes the world after a run that stopped. A robot that the stop ended is opened again at its next use.
     fn look_after_stop(&mut self, opened: &mut Option<Opened>) -> Result<()> {
-        let Some(Opened { robot: body, is_dry }) = opened else {
+        let Some(own) = opened else {
             return Ok(());
         };
-        let mut seen = body.observe(&Scope::All);
+        let mut seen = own.robot.observe(&Scope::All);
         if seen.is_err() {
             // Nothing moves any more, whatever the robot confirms; the run has said so.
-            let _ = body.stop();
-            let is_dry = *is_dry;
-            *opened = body.revived().map(|robot| Opened { robot, is_dry });
+            let _ = own.robot.stop();
+            *opened = own.revived();
             if let Some(again) = opened {
                 seen = again.robot.observe(&Scope::All);
             }
@@ -266,7 +265,7 @@ impl Chat<'_> {
         let seen = body.observe(&Scope::All);
         if seen.as_ref().is_err_and(longstep_robot::RobotError::is_final) {
             let _ = body.stop();
-            *opened = body.revived().map(|robot| Opened { robot, is_dry: false });
+            *opened = own.revived();
         }
         Ok(seen.map_err(|error| run::robot_failure(&error))?)
     }

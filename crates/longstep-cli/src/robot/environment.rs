@@ -6,12 +6,12 @@ use longstep_core::json::Path;
 use longstep_core::secret;
 use longstep_files::write_whole;
 use longstep_llm::load_domain;
-use longstep_robot::virtualhome::{self, Graph, Simulator};
+use longstep_robot::virtualhome::{self, Graph, Simulator, VirtualHomeOptions};
 
 use crate::arguments::RobotEnvironmentArguments;
 use crate::failure::Failure;
 use crate::output::{self, remark};
-use crate::run::robot::{failure, virtualhome_options};
+use crate::run::robot::{failure, misnamed};
 
 /// The most rooms that a hint lists.
 const LISTED: usize = 30;
@@ -24,7 +24,8 @@ pub(crate) fn run(arguments: &RobotEnvironmentArguments) -> Result<u8> {
                 .into(),
         );
     };
-    let options = virtualhome_options(rest)?;
+    let options = rest.parse::<VirtualHomeOptions>();
+    let options = options.map_err(|error| misnamed(error.into()))?;
     let graph = graph(&options.url, arguments.scene).map_err(|error| failure(&error))?;
     check_rooms(&graph, &arguments.room)?;
     let environment = virtualhome::environment(&graph, &arguments.room);

@@ -6,15 +6,16 @@ use anyhow::Result;
 use longstep::Goal;
 use longstep::report::{Answer, Status};
 use longstep::session::{Response, Session};
+use longstep_core::autonomy::Autonomy;
 use longstep_core::environment::World;
 use longstep_core::execution::{Aim, Approval, BeginError, Execution, Settings, Trust, Watch};
 use longstep_core::skill::Skills;
 use longstep_core::verify::VerifiedPlan;
 use longstep_files::read_text;
 use longstep_llm::advance;
-use longstep_robot::{Robot, preflight, reports};
+use longstep_robot::{Opened, Robot, preflight, reports};
 
-use super::robot::{Opened, failure};
+use super::robot::failure;
 use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments, domain_or_default};
 use crate::ask::{self, Waiting};
 use crate::clock::clock;
@@ -134,6 +135,15 @@ fn refused(error: BeginError, teach: &str) -> anyhow::Error {
         BeginError::Purpose(_) => Failure::new(error.to_string(), NOT_VALID)
             .hint("nothing has moved; `longstep repair PLAN.json --save FILE` may mend the plan")
             .into(),
+        BeginError::Refused(parts) => {
+            let parts = parts.iter().map(ToString::to_string);
+            Failure::several_of(parts.collect(), NOT_VALID)
+                .hint("nothing has moved; plan without this, or change the levels and limits of the robot")
+                .into()
+        }
+        BeginError::UnknownPlaces(_) => Failure::unreadable(error.to_string())
+            .hint("correct the names in `forbidden`, or list the places in the environment")
+            .into(),
         BeginError::Untaught(missing) => {
             let missing = missing.iter().map(ToString::to_string);
             Failure::several(missing.collect()).hint(teach).into()
@@ -150,6 +160,7 @@ fn settings(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> R
         None => Skills::default(),
     };
     observing(robot)?;
+    let autonomy = autonomy(arguments, opened, world)?;
     Ok(Settings::default()
         .with_approval(if opened.is_dry {
             Approval::Never
@@ -165,5 +176,20 @@ fn settings(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> R
         .with_watch(arguments.observe.map_or_else(Watch::default, Watch::from))
         .with_changes(arguments.changes.unwrap_or(Settings::default().changes))
         .with_reports(reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?)
-        .with_skills(skills))
+        .with_skills(skills)
+        .with_autonomy(if opened.is_dry {
+            autonomy.without_people()
+        } else {
+            autonomy
+        }))
+}
+
+/// Returns the levels and limits of a robot, with those of `--autonomy`.
+pub(super) fn autonomy(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> Result<Autonomy> {
+    let Some(path) = &arguments.autonomy else {
+        return Ok(opened.autonomy.clone());
+    };
+    let file = path.display().to_string();
+    let own = Autonomy::parse(world.domain(), Some(world), &file, &read_text(path)?)?;
+    Ok(opened.autonomy.and(&own))
 }

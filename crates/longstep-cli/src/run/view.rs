@@ -89,6 +89,9 @@ impl<'a> View<'a> {
                 }
                 self.under_way.insert(*order, format!("{lane}{explanation}"));
             }
+            Event::Announced {
+                explanation, seconds, ..
+            } => print_line!("      {} in {seconds} s: {}", "next:".cyan(), phrase(explanation)),
             Event::Performed { order, outcome } => {
                 let done = self.under_way.remove(order);
                 match (outcome, &self.board) {

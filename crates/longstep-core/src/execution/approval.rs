@@ -145,5 +145,6 @@ impl Execution {
             self.phase = Phase::Active;
         }
         self.approved = None;
+        self.announcement = None;
     }
 }

@@ -65,7 +65,7 @@ impl Execution {
             }
             Some(fitting) => {
                 let taught = self.taught_before(&fitting.plan);
-                if self.has_untaught(&fitting.plan, taught) {
+                if self.has_unfit(&fitting.plan, taught) {
                     return self.change(&here, &purpose, because);
                 }
                 let failures = self.failures.clone();
@@ -88,15 +88,13 @@ impl Execution {
         is_rest.then_some(self.taught? + first)
     }
 
-    /// Returns true if a plan has steps without values that a person has to teach.
-    fn has_untaught(&self, plan: &VerifiedPlan, taught: Option<usize>) -> bool {
-        let is_untaught = |(index, step): (usize, &Step)| {
-            let step_id = taught_step(taught, StepId::new(index));
-            let skills = &self.settings.skills;
-            let mut missing = skills.untaught(&self.world, step_id, step.action, &step.arguments);
-            missing.next().is_some()
-        };
-        plan.steps().iter().enumerate().any(is_untaught)
+    /// Returns true if a plan has steps that nobody taught, or whose values are outside of the limits.
+    fn has_unfit(&self, plan: &VerifiedPlan, taught: Option<usize>) -> bool {
+        let mut steps = plan.steps().iter().enumerate();
+        steps.any(|(index, step)| {
+            let taught = taught_step(taught, StepId::new(index));
+            self.unfit(taught, &ground(step)).is_some()
+        })
     }
 
     /// Returns the world of the rest of the plan, in which steps that failed too often are forbidden.

@@ -71,7 +71,7 @@ impl Execution {
         self.visited.push(situation);
         let attempt = self.attempt(here, purpose, (&draft, before > 0), because.clone());
         if let Attempt::Found(change) = &attempt
-            && self.forbid_untaught(&change.plan)
+            && self.forbid_unfit(&change.plan)
         {
             let here = self.here(here.state.clone());
             return self.change(&here, purpose, because);
@@ -97,14 +97,13 @@ impl Execution {
         }
     }
 
-    /// Forbids the steps of a plan that nobody taught; returns true if there are any.
-    fn forbid_untaught(&mut self, plan: &VerifiedPlan) -> bool {
+    /// Forbids the steps of a plan that nobody taught, or whose values are outside of the limits; returns true if there are
+    /// any.
+    fn forbid_unfit(&mut self, plan: &VerifiedPlan) -> bool {
         let mut found = false;
         for step in plan.steps().iter().map(ground) {
-            let skills = &self.settings.skills;
-            let untaught = skills.untaught(&self.world, None, step.action, &step.arguments).next();
-            let untaught = untaught.map(|parameter| format!("nobody taught its `{}`", parameter.name));
-            if let Some(why) = untaught.filter(|_| !self.is_forbidden(&step)) {
+            let why = self.unfit(None, &step);
+            if let Some(why) = why.filter(|_| !self.is_forbidden(&step)) {
                 self.forbidden.push((step, why));
                 found = true;
             }

@@ -1,8 +1,10 @@
 //! The errors of executions.
 
+use crate::autonomy::Refusal;
 use longstep_model::environment::ObservationError;
 use longstep_search::goal::GoalError;
 use longstep_verify::cursor::CursorError;
+use longstep_verify::plan::StepId;
 use longstep_verify::skill::MissingSkill;
 
 /// A plan that cannot be carried out. Nothing has moved.
@@ -18,6 +20,31 @@ pub enum BeginError {
     /// Steps that a person has to teach first, in order; at least one.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Untaught(Vec<MissingSkill>),
+    /// Steps of the plan, and values of the goal, that the levels and limits of the robot refuse; at least one.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Refused(Vec<RefusedPart>),
+    /// Forbidden places that the world does not have, by the names in the limits; at least one.
+    #[error("the limits forbid places that the environment does not list: {}", .0.join(", "))]
+    UnknownPlaces(Vec<String>),
+}
+
+/// A step or a goal that the levels and limits of the robot refuse.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct RefusedPart {
+    /// The step with its action and arguments; none for the goal.
+    pub step: Option<(StepId, String)>,
+    /// The reason.
+    pub refusal: Refusal,
+}
+
+impl std::fmt::Display for RefusedPart {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.step {
+            Some((step, call)) => write!(formatter, "step {} `{call}`: {}", step.index() + 1, self.refusal),
+            None => write!(formatter, "the goal: {}", self.refusal),
+        }
+    }
 }
 
 /// An input that does not fit the state of the execution, which is unchanged.

@@ -1,5 +1,7 @@
 //! The events of an execution, one JSON object each.
 
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -55,6 +57,9 @@ pub enum Event {
         /// The skills file.
         #[serde(default, skip_serializing_if = "Value::is_null")]
         skills: Value,
+        /// The levels of autonomy, and the limits, of the robot.
+        #[serde(default, skip_serializing_if = "Value::is_null")]
+        autonomy: Value,
     },
     /// A person approved what was proposed last.
     Approved {
@@ -63,6 +68,20 @@ pub enum Event {
     },
     /// A person refused what was proposed last.
     Refused,
+    /// A step will be ordered after some seconds, unless the execution is stopped or paused.
+    Announced {
+        /// The number of the order.
+        order: u64,
+        /// The hand, arm or robot.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lane: Option<String>,
+        /// The action with all its arguments.
+        call: String,
+        /// The step for a person.
+        explanation: String,
+        /// The seconds until then.
+        seconds: f64,
+    },
     /// A robot is about to perform a step.
     Ordered {
         /// The number of the order.
@@ -180,8 +199,9 @@ pub enum Event {
 }
 
 impl Event {
-    pub(super) fn began(plan: &VerifiedPlan, aim: &Aim, settings: &Settings) -> Self {
-        let world = plan.world();
+    /// Returns the beginning of an execution in a world with the constraints in force, but without those that the limits
+    /// add.
+    pub(super) fn began(world: &World, plan: &VerifiedPlan, aim: &Aim, settings: &Settings) -> Self {
         let domain = world.domain();
         let constraints = world.prohibitions().iter();
         Self::Began {
@@ -204,6 +224,17 @@ impl Event {
                 .map(|predicate| domain.predicate(*predicate).name.clone())
                 .collect(),
             skills: settings.skills.source().clone(),
+            autonomy: settings.autonomy.to_value(domain),
+        }
+    }
+
+    pub(super) fn announced(world: &World, order: &StepOrder, after: Duration) -> Self {
+        Self::Announced {
+            order: order.number,
+            lane: order.lane.map(|lane| world.entity(lane).identifier.clone()),
+            call: order.written(world),
+            explanation: order.explanation.clone(),
+            seconds: after.as_secs_f64(),
         }
     }
 

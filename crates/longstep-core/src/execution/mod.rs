@@ -8,6 +8,7 @@
 //!
 //! - A step is ordered only if its precondition holds in the observed world and no constraint forbids it.
 //! - The plan in force was verified from the world that was observed when it came into force.
+//! - A step that the [limits](crate::autonomy) of the robot refuse is neither planned nor ordered.
 //! - A change that a person has to approve is not performed before it is approved. An approval counts for one proposal only.
 //! - "Done" is said only of what the verifier accepts, and of facts that were observed since a step could have changed
 //!   them, unless [`Trust::Promised`] accepts promises; what no look has shown is listed.
@@ -15,6 +16,7 @@
 //! - While it is paused nothing is ordered; afterwards nothing before the world was observed.
 
 mod aim;
+mod announce;
 mod approval;
 mod assess;
 mod board;
@@ -27,6 +29,9 @@ mod evidence_tests;
 #[cfg(test)]
 mod interruption_tests;
 mod knowledge;
+mod limits;
+#[cfg(test)]
+mod limits_tests;
 mod monitor;
 mod need;
 mod order;
@@ -45,7 +50,7 @@ pub use aim::Aim;
 pub use approval::{Proposal, ProposalId, Subject};
 pub use board::{Board, BoardLine, BoardStep, Mark};
 pub use change::{Change, ChangeKind};
-pub use error::{BeginError, ExecutionError};
+pub use error::{BeginError, ExecutionError, RefusedPart};
 pub use event::{Event, PlanText};
 pub use knowledge::{Basis, Unseen};
 pub use monitor::Noticed;
@@ -53,6 +58,7 @@ pub use need::{Effect, Need, StepOrder, Stop};
 pub use resume::{ResumeError, Resumed};
 pub use settings::{Approval, Settings, Trust, Watch};
 
+use announce::Announcement;
 use evidence::{Looks, TrustedProgress};
 use knowledge::Knowledge;
 use longstep_model::environment::{Environment, Observation, ObservedFacts};
@@ -154,6 +160,8 @@ pub struct Execution {
     differences: Vec<Noticed>,
     /// The step that a person approved and that is not ordered yet.
     approved: Option<StepOrder>,
+    /// The step that was announced and is not ordered yet.
+    announcement: Option<Announcement>,
     phase: Phase,
     pause: Pause,
     meanwhile: Meanwhile,
@@ -181,20 +189,23 @@ impl Execution {
     ///
     /// # Errors
     ///
-    /// The error in the goal of the aim; a plan that does not reach it; steps that a person has to teach first.
+    /// The error in the goal of the aim; a plan that does not reach it; steps that a person has to teach first; steps and values
+    /// that the levels and limits of the robot refuse.
     pub fn new(plan: &VerifiedPlan, aim: &Aim, settings: Settings) -> Result<Self, BeginError> {
         let missing = settings.skills.missing(plan.world(), plan.plan());
         if !missing.is_empty() {
             return Err(BeginError::Untaught(missing));
         }
-        let (world, purpose) = aim.purpose(plan)?;
+        let (unlimited, purpose) = aim.purpose(plan)?;
+        limits::check(&unlimited, plan, aim, &settings)?;
+        let world = unlimited.with_prohibitions(settings.autonomy.prohibitions(&unlimited));
         let report = check(&world, plan.plan().clone(), &purpose).into_verified();
         let refused = |report: Box<Report>| {
             let goal = aim.goal(&world);
             BeginError::Purpose(messages(&world, &report.violations, report.plan.steps(), goal.as_ref()))
         };
         let plan = &report.map_err(refused)?;
-        let began = Event::began(plan, aim, &settings);
+        let began = Event::began(&unlimited, plan, aim, &settings);
         let cursor = Cursor::new(plan);
         let lanes = |node: &Node| matches!(node, Node::Parallel { .. });
         let mut execution = Self {
@@ -229,6 +240,7 @@ impl Execution {
             suspicious: false,
             differences: Vec::new(),
             approved: None,
+            announcement: None,
             phase: Phase::Active,
             pause: Pause::Off,
             meanwhile: Meanwhile::default(),
@@ -432,6 +444,7 @@ impl Execution {
         self.taught = taught;
         self.cursor = Cursor::new(plan);
         self.approved = None;
+        self.announcement = None;
         self.confirm();
     }
 }

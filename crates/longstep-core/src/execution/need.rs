@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::monitor::Noticed;
 use super::{Proposal, Unseen};
+use crate::autonomy::Refusal;
 use longstep_model::model::{ActionId, EntityId, Fact, World, ground};
 use longstep_search::search::WhyNot;
 use longstep_verify::plan::StepId;
@@ -35,6 +36,9 @@ pub enum Need {
     /// A person who knows whether something is so that no look has shown; then
     /// [`confirmed`](super::Execution::confirmed).
     Confirm(Unseen),
+    /// The time of [`Autonomy::announcement`](crate::autonomy::Autonomy::announcement), in which a person may stop or pause the
+    /// execution; then [`announced`](super::Execution::announced). Orders under way may end meanwhile.
+    Announce(StepOrder),
     /// Nothing: the steps that are under way have to end first.
     Wait,
     /// Nothing: the execution is paused, and no step is under way; [`go_on`](super::Execution::go_on) ends the pause.
@@ -135,6 +139,13 @@ pub enum Stop {
         /// True if a person said that it is not so.
         denied: bool,
     },
+    /// The levels and limits of the robot refuse a step, which was not ordered.
+    OutOfLimits {
+        /// The action with all its arguments.
+        step: String,
+        /// The reason.
+        refusal: Refusal,
+    },
     /// The robot failed, not one of its steps.
     Robot(String),
 }
@@ -197,6 +208,7 @@ impl Stop {
                 };
                 format!("{said}: {}{more}", facts.join("; "))
             }
+            Self::OutOfLimits { step, refusal } => format!("`{step}` is outside of the limits of the robot: {refusal}"),
             Self::Robot(why) => format!("{ROBOT_FAILED}{why}"),
         }
     }

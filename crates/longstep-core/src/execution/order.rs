@@ -5,6 +5,7 @@ use rustc_hash::FxHashSet;
 use super::evidence::Looks;
 use super::monitor::Completed;
 use super::{Approval, Event, Execution, ExecutionError, Need, StepOrder, Subject, Watch};
+use crate::autonomy::Level;
 use longstep_model::model::{Fact, Moment, StateVariable, apply, holds};
 use longstep_search::search::GroundAction;
 use longstep_verify::cursor::CursorError;
@@ -47,11 +48,21 @@ impl Execution {
             arguments: step.arguments,
             explanation: step.explanation,
         };
-        let approved = self.approved.take();
-        if self.settings.approval == Approval::EachStep && approved.as_ref() != Some(&order) {
+        if let Some(stop) = self.refused_by_limits(&order) {
+            self.end(stop);
+            return None;
+        }
+        let is_approved = self.approved.take().as_ref() == Some(&order);
+        let level = self.settings.autonomy.level(order.action);
+        let is_asked = self.settings.approval == Approval::EachStep || level == Level::Approve;
+        if is_asked && !is_approved {
             self.propose(Subject::Step(order));
             return None;
         }
+        if level == Level::Announce && !is_approved && !self.was_announced(&order) {
+            return Some(self.announce(order));
+        }
+        self.announcement = None;
         self.orders += 1;
         self.events.push(Event::ordered(&self.world, &order));
         self.running.push(order.clone());

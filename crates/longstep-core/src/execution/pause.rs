@@ -95,6 +95,7 @@ impl Execution {
             other => self.phase = other,
         }
         self.approved = None;
+        self.announcement = None;
         self.due = true;
     }
 

@@ -5,6 +5,7 @@ use super::evidence::Looks;
 use super::pause::Pause;
 use super::written::{messages, written_outcome};
 use super::{Aim, Approval, BeginError, Event, Execution, ExecutionError, Phase, Settings, Trust, Unseen};
+use crate::autonomy::Autonomy;
 use longstep_model::diagnostic::Diagnostics;
 use longstep_model::environment;
 use longstep_model::json::Path;
@@ -39,6 +40,9 @@ pub enum ResumeError {
     /// The skills cannot be read.
     #[error("the skills of the log cannot be read: {0}")]
     Skills(Diagnostics),
+    /// The levels and limits cannot be read.
+    #[error("the levels and limits of the log cannot be read: {0}")]
+    Autonomy(Diagnostics),
     /// The execution cannot begin.
     #[error(transparent)]
     Begin(#[from] BeginError),
@@ -228,6 +232,11 @@ impl Execution {
                 self.next_need();
                 self.confirmed(*holds).map_err(wrong)?;
             }
+            Event::Ordered { order, .. } => {
+                // It was ordered, so the time of its announcement was over.
+                drop(self.announced(*order));
+                self.next_need();
+            }
             Event::Paused => self.repeat_pause().map_err(wrong)?,
             Event::Continued => self.go_on(),
             Event::Interrupted { approval, trust, .. } => {
@@ -294,6 +303,7 @@ impl Execution {
         }
         self.looks = Looks::default();
         self.approved = None;
+        self.announcement = None;
         self.due = true;
     }
 }
@@ -313,6 +323,7 @@ fn begun(domain: &Domain, event: Option<&Event>) -> Result<Execution, ResumeErro
         changes,
         reports,
         skills,
+        autonomy,
     }) = event
     else {
         return Err(ResumeError::Beginning);
@@ -348,6 +359,7 @@ fn begun(domain: &Domain, event: Option<&Event>) -> Result<Execution, ResumeErro
         changes: *changes,
         reports,
         skills: Skills::from_value(domain, skills.clone()).map_err(ResumeError::Skills)?,
+        autonomy: Autonomy::from_value(domain, autonomy).map_err(ResumeError::Autonomy)?,
     };
     Ok(Execution::new(&plan, &aim, settings)?)
 }

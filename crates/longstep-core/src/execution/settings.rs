@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::autonomy::Autonomy;
 use longstep_model::model::PredicateId;
 use longstep_verify::skill::Skills;
 
@@ -67,6 +68,8 @@ pub struct Settings {
     pub reports: Vec<PredicateId>,
     /// The values of skill parameters.
     pub skills: Skills,
+    /// The levels of autonomy, and the limits, of the robot.
+    pub autonomy: Autonomy,
 }
 
 impl Default for Settings {
@@ -78,6 +81,7 @@ impl Default for Settings {
             changes: 8,
             reports: Vec::new(),
             skills: Skills::default(),
+            autonomy: Autonomy::default(),
         }
     }
 }
@@ -117,5 +121,11 @@ impl Settings {
     #[must_use]
     pub fn with_skills(self, skills: Skills) -> Self {
         Self { skills, ..self }
+    }
+
+    /// Sets the levels of autonomy, and the limits, of the robot.
+    #[must_use]
+    pub fn with_autonomy(self, autonomy: Autonomy) -> Self {
+        Self { autonomy, ..self }
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use longstep_core::call::Call;
-use longstep_core::diagnostic::Diagnostic;
+use longstep_core::diagnostic::{Diagnostic, Diagnostics};
 use longstep_core::environment::World;
 use longstep_core::model::{Action, Domain, StateWord};
 
@@ -35,6 +35,9 @@ pub fn check(configuration: &Configuration, domain: &Domain, world: Option<&Worl
     };
     checker.actions();
     checker.observations();
+    if let Err(Diagnostics(findings)) = configuration.autonomy(domain, world) {
+        checker.checked.mismatches.extend(findings);
+    }
     let Checked {
         mut mismatches,
         mut remarks,

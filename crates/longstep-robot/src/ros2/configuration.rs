@@ -5,7 +5,10 @@ use std::ops::Range;
 use std::time::Duration;
 
 use indexmap::IndexMap;
-use longstep_core::diagnostic::{Diagnostic, Position, nearest};
+use longstep_core::autonomy::Autonomy;
+use longstep_core::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
+use longstep_core::environment::World;
+use longstep_core::model::Domain;
 use serde_json::Value;
 
 use super::criterion::Criterion;
@@ -211,6 +214,15 @@ impl Configuration {
     /// True for a robot in a simulation: it moves without `--live`.
     pub fn is_simulated(&self) -> bool {
         self.simulated
+    }
+
+    /// Reads the levels of autonomy and the limits of the robot. Places are looked up in the world, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// All mistakes in them, with their places.
+    pub fn autonomy(&self, domain: &Domain, world: Option<&World>) -> Result<Autonomy, Diagnostics> {
+        Autonomy::parse_within(domain, world, &self.source.file, &self.source.text)
     }
 
     /// The parts that the robot drives, by the names of their locks: each action server of its bridge.

@@ -2,6 +2,7 @@
 
 use indexmap::IndexMap;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::{Map, Value};
 use toml::Spanned;
 
@@ -33,6 +34,11 @@ pub(super) struct RobotFile {
     pub(super) action: Vec<ActionEntry>,
     #[serde(default)]
     pub(super) observation: Vec<ObservationEntry>,
+    /// Levels of autonomy and limits, which [`longstep_core::autonomy`] reads.
+    #[serde(default, rename = "autonomy")]
+    _autonomy: IgnoredAny,
+    #[serde(default, rename = "limit")]
+    _limit: IgnoredAny,
 }
 
 /// Timeouts in seconds.

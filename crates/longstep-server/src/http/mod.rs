@@ -3,11 +3,13 @@
 mod access;
 mod api;
 mod events;
+mod openapi;
 mod reply;
 mod routes;
 mod serve;
 
 pub use access::{Access, Token, TokenError};
+pub use openapi::document;
 pub use serve::{ServeError, ServeOptions, serve};
 
 use std::sync::Arc;

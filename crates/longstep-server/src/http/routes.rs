@@ -8,7 +8,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{MethodRouter, get, post};
 
 use super::reply::Reply;
-use super::{Shared, api, events};
+use super::{Shared, api, events, openapi};
 use crate::problem::{Problem, ProblemKind};
 
 /// A path of the server.
@@ -76,7 +76,9 @@ pub(crate) fn routes() -> Vec<Route> {
 
 /// Returns the router of the server.
 pub(crate) fn router(shared: Shared) -> Router {
-    let mut router = Router::new().route("/api/events", get(events::events));
+    let mut router = Router::new()
+        .route("/api/events", get(events::events))
+        .route("/openapi.json", get(openapi::description));
     for route in routes() {
         router = router.route(route.path, route.handler);
     }

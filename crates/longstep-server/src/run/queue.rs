@@ -4,9 +4,10 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use longstep_robot::{Driven, Robot, drive};
+use longstep_robot::{Driven, drive};
 
 use super::hosted::HostedRun;
+use super::robots::OpenedRobot;
 use super::view::RunState;
 use super::work::{Begun, Task};
 use crate::problem::{Problem, ProblemKind};
@@ -111,18 +112,18 @@ impl Queues {
     }
 
     /// Carries out a run, on the robot of the run that it interrupts or on its own.
-    fn carry_out(&self, body: &BodyKey, task: Task, robot: Option<&mut Box<dyn Robot>>) {
+    fn carry_out(&self, body: &BodyKey, task: Task, robot: Option<&mut OpenedRobot>) {
         let run = Arc::clone(task.run());
         if run.control().is_stop_requested() {
             task.end_unbegun("stopped before it began");
         } else {
             match robot {
-                Some(robot) => self.begin(body, task, robot, false),
+                Some(opened) => self.begin(body, &task, opened),
                 None => match task.open() {
-                    Ok((mut robot, is_dry)) => {
-                        self.begin(body, task, &mut robot, is_dry);
+                    Ok(mut opened) => {
+                        self.begin(body, &task, &mut opened);
                         // Ends the program of a robot behind one.
-                        let _ = robot.stop();
+                        let _ = opened.robot.stop();
                     }
                     Err(problem) => task.end_unbegun(&problem.message),
                 },
@@ -131,24 +132,24 @@ impl Queues {
         self.left(body);
     }
 
-    fn begin(&self, body: &BodyKey, task: Task, robot: &mut Box<dyn Robot>, is_dry: bool) {
-        robot.begin_plan(task.world());
-        match task.begin(robot.as_ref(), is_dry) {
-            Ok(begun) => self.drive(body, &task, begun, robot),
+    fn begin(&self, body: &BodyKey, task: &Task, opened: &mut OpenedRobot) {
+        opened.robot.begin_plan(task.world());
+        match task.begin(opened) {
+            Ok(begun) => self.drive(body, task, begun, opened),
             Err(problem) => task.end_unbegun(&problem.message),
         }
     }
 
     /// Drives an execution to its end. While it is paused, urgent runs use its robot.
-    fn drive(&self, body: &BodyKey, task: &Task, mut begun: Begun, robot: &mut Box<dyn Robot>) {
+    fn drive(&self, body: &BodyKey, task: &Task, mut begun: Begun, opened: &mut OpenedRobot) {
         let run = task.run();
         let mut watcher = task.watcher(&begun);
         loop {
-            match drive(&mut begun.execution, robot.as_mut(), &mut watcher, run.control()) {
+            match drive(&mut begun.execution, opened.robot.as_mut(), &mut watcher, run.control()) {
                 Driven::Paused => {
                     run.update(|view| view.state = RunState::Paused);
                     run.wait_paused(|| self.is_urgent(body));
-                    self.interrupt(body, robot, run);
+                    self.interrupt(body, opened, run);
                 }
                 Driven::Done => return task.end(&begun, None),
                 Driven::Stopped(stop) => return task.end(&begun, Some(&stop)),
@@ -157,18 +158,18 @@ impl Queues {
     }
 
     /// Carries out the urgent runs that wait, on the robot of a run that is paused.
-    fn interrupt(&self, body: &BodyKey, robot: &mut Box<dyn Robot>, run: &HostedRun) {
+    fn interrupt(&self, body: &BodyKey, opened: &mut OpenedRobot, run: &HostedRun) {
         while let Some(task) = self.next(body, |task| task.run().record().urgent) {
             run.update(|view| view.state = RunState::Paused);
             let urgent = Arc::clone(task.run());
-            self.carry_out(body, task, Some(&mut *robot));
+            self.carry_out(body, task, Some(&mut *opened));
             // A stop of the urgent run has stopped the robot of both.
             if urgent.view().state == RunState::Stopped
-                && let Some(again) = robot.revived()
+                && let Some(again) = opened.robot.revived()
             {
-                *robot = again;
+                opened.robot = again;
             }
-            run.control().stop_request().attach(robot.stop_switch());
+            run.control().stop_request().attach(opened.robot.stop_switch());
         }
         run.interrupt(false);
     }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use longstep_core::autonomy::Autonomy;
 use longstep_core::environment::World;
 use longstep_core::execution::Settings;
 use longstep_core::skill::Skills;
-use longstep_robot::{Robot, StopRequest};
+use longstep_robot::{OpenOptions, Robot, RobotKind, RobotReference, RunStart, StopRequest};
 use serde::Serialize;
 
 use crate::problem::Problem;
@@ -16,10 +17,23 @@ pub struct OpenedRobot {
     pub robot: Box<dyn Robot>,
     /// True if nothing moves.
     pub is_dry: bool,
+    /// The levels of autonomy, and the limits, of its configuration.
+    pub autonomy: Autonomy,
+}
+
+impl OpenedRobot {
+    /// Takes a robot that moves.
+    pub fn new(robot: impl Robot + 'static) -> Self {
+        Self {
+            robot: Box::new(robot),
+            is_dry: false,
+            autonomy: Autonomy::default(),
+        }
+    }
 }
 
 /// Opens a robot in a world, on the thread of the run. The request stops the opening.
-pub type OpenRobot = Arc<dyn Fn(&World, &StopRequest) -> Result<OpenedRobot, Problem> + Send + Sync>;
+pub type OpenRobot = Arc<dyn Fn(&World, &StopRequest, RunStart) -> Result<OpenedRobot, Problem> + Send + Sync>;
 
 /// Whose world a robot moves in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -62,6 +76,23 @@ impl RobotEntry {
         }
     }
 
+    /// Creates the robot of a reference. A simulation moves in a world of its own for each session; another robot is shared,
+    /// and moves only if the options say so.
+    pub fn of_reference(name: &str, reference: &RobotReference, options: &OpenOptions) -> Self {
+        let (own, options) = (reference.clone(), options.clone());
+        let open = move |world: &World, request: &StopRequest, start: RunStart| {
+            let opened = longstep_robot::open(&own, world, &options, request, start)?;
+            Ok(OpenedRobot {
+                robot: opened.robot,
+                is_dry: opened.is_dry,
+                autonomy: opened.autonomy,
+            })
+        };
+        let entry = Self::new(name, reference.as_written(), Arc::new(open));
+        let is_private = matches!(reference.kind(), RobotKind::Sim(_));
+        entry.with_body(if is_private { Body::PerSession } else { Body::Shared })
+    }
+
     /// Sets whose world it moves in.
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
@@ -84,7 +115,12 @@ impl RobotEntry {
     }
 
     /// Returns the settings of a run in a world.
-    pub(crate) fn settings_in(&self, world: &World, robot: &dyn Robot) -> Result<Settings, Problem> {
+    pub(crate) fn settings_in(
+        &self,
+        world: &World,
+        robot: &dyn Robot,
+        autonomy: &Autonomy,
+    ) -> Result<Settings, Problem> {
         if !robot.describe().observes {
             return Err(
                 Problem::conflict("this robot does not observe, so its plan cannot be monitored")
@@ -92,7 +128,8 @@ impl RobotEntry {
             );
         }
         let reports = longstep_robot::reports(robot, world).map_err(|error| Problem::conflict(error.to_string()))?;
-        let settings = self.settings.clone().with_reports(reports);
+        let autonomy = self.settings.autonomy.and(autonomy);
+        let settings = self.settings.clone().with_reports(reports).with_autonomy(autonomy);
         let Some(text) = &self.skills else {
             return Ok(settings);
         };

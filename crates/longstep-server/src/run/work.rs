@@ -5,10 +5,10 @@ use std::sync::Arc;
 use longstep_core::environment::World;
 use longstep_core::execution::{Aim, Approval, Event, Execution, Resumed, Stop, Trust};
 use longstep_core::verify::VerifiedPlan;
-use longstep_robot::{Robot, RunHeader, preflight};
+use longstep_robot::{RunHeader, RunStart, preflight};
 
 use super::hosted::HostedRun;
-use super::robots::RobotEntry;
+use super::robots::{OpenedRobot, RobotEntry};
 use super::view::{EndView, RunState};
 use super::watch::Watching;
 use crate::audit::{Audit, Deed};
@@ -64,23 +64,31 @@ impl Task {
         LogName::Run(self.run.record().id.clone())
     }
 
-    /// Opens the robot; also returns true if nothing moves.
-    pub(super) fn open(&self) -> Result<(Box<dyn Robot>, bool), Problem> {
+    /// Opens the robot.
+    pub(super) fn open(&self) -> Result<OpenedRobot, Problem> {
         self.run.update(|view| view.state = RunState::Opening);
         let request = self.run.control().stop_request();
-        let opened = (self.entry.open)(self.world(), request)?;
+        let start = match &self.start {
+            Start::Plan { .. } => RunStart::New,
+            Start::Log { events, .. } => RunStart::of_log(events),
+        };
+        let opened = (self.entry.open)(self.world(), request, start)?;
         request.attach(opened.robot.stop_switch());
-        Ok((opened.robot, opened.is_dry))
+        Ok(opened)
     }
 
     /// Begins the execution on a robot, and its log.
-    pub(super) fn begin(&self, robot: &dyn Robot, is_dry: bool) -> Result<Begun, Problem> {
+    pub(super) fn begin(&self, opened: &OpenedRobot) -> Result<Begun, Problem> {
+        let OpenedRobot { is_dry, autonomy, .. } = opened;
+        let (robot, is_dry) = (opened.robot.as_ref(), *is_dry);
         let execution = match &self.start {
             Start::Plan { plan, aim, domain } => {
-                let mut settings = self.entry.settings_in(plan.world(), robot)?;
+                let mut settings = self.entry.settings_in(plan.world(), robot, autonomy)?;
                 if is_dry {
                     // Nothing moves, and nothing is observed.
-                    settings = settings.with_approval(Approval::Never).with_trust(Trust::Promised);
+                    let autonomy = settings.autonomy.clone().without_people();
+                    let settings_of_dry = settings.with_approval(Approval::Never).with_trust(Trust::Promised);
+                    settings = settings_of_dry.with_autonomy(autonomy);
                 }
                 preflight(robot, plan, &settings.skills).map_err(|error| Problem::conflict(error.to_string()))?;
                 let execution =
@@ -98,7 +106,7 @@ impl Task {
                 self.store.own(&self.log())?;
                 let resumed = Execution::resume(world.domain(), events, Resumed::default());
                 let execution = resumed.map_err(|error| Problem::conflict(error.to_string()))?;
-                let settings = self.entry.settings_in(execution.world(), robot)?;
+                let settings = self.entry.settings_in(execution.world(), robot, autonomy)?;
                 if settings.reports != execution.settings().reports {
                     return Err(Problem::conflict(
                         "this robot reports other facts than the robot with which the run began",

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, TokenCounter};
 use longstep_core::environment::World;
 use longstep_llm::{ChatModel, ModelError, Progress, Watch};
-use longstep_robot::{Sim, SimOptions, StopRequest};
+use longstep_robot::{RunStart, Sim, SimOptions, StopRequest};
 use longstep_server::{
     Body, Configuration, Domains, FileStore, Hub, Models, OpenedRobot, Problem, ProblemKind, RobotEntry, RunId,
     RunView, Scene, Store,
@@ -74,19 +74,16 @@ pub const TABLE: [(&str, &str); 5] = [
     ("pen on the shelf", "put(pen, shelf)"),
     ("cup on the shelf", "put(cup, shelf)"),
     ("pen on the table", "put(pen, table)"),
-    ("it somewhere", "?Which one?"),
+    ("something away", "?Which one?"),
     ("cup on the table", "put(cup, table)"),
 ];
 
 /// Returns a robot `sim` with these options.
 pub fn simulated(name: &str, options: SimOptions, body: Body) -> RobotEntry {
-    let open = move |world: &World, _: &StopRequest| {
+    let open = move |world: &World, _: &StopRequest, _: RunStart| {
         let sim = Sim::new(world.clone(), &options);
         let sim = sim.map_err(|error| Problem::new(ProblemKind::Failed, error.to_string()))?;
-        Ok(OpenedRobot {
-            robot: Box::new(sim),
-            is_dry: false,
-        })
+        Ok(OpenedRobot::new(sim))
     };
     RobotEntry::new(name, "sim", Arc::new(open)).with_body(body)
 }
@@ -95,16 +92,21 @@ pub fn store(folder: &TempDir) -> Arc<dyn Store> {
     Arc::new(FileStore::open(&folder.path().join("sessions")).unwrap())
 }
 
-/// Opens a hub with the scripted model and these robots.
+/// Opens a hub with the scripted model and these robots. One that a test has dropped may take a moment to end.
 pub fn hub(folder: &TempDir, robots: Vec<RobotEntry>) -> Arc<Hub> {
-    let open = || Ok(Box::new(Scripted(TABLE.to_vec())) as Box<dyn ChatModel>);
-    let models = Models::open(Arc::new(open), 1, 8).unwrap();
-    let scenes = vec![Scene::new("desk", "household", DESK, "Put the pen on the shelf")];
-    let domains = Domains::new(&[], scenes).unwrap();
-    let configuration = Configuration::new(store(folder), domains)
-        .with_models(models)
-        .with_robots(robots);
-    Hub::open(configuration).unwrap()
+    let began = Instant::now();
+    loop {
+        let open = || Ok(Box::new(Scripted(TABLE.to_vec())) as Box<dyn ChatModel>);
+        let models = Models::open(Arc::new(open), 1, 8).unwrap();
+        let scenes = vec![Scene::new("desk", "household", DESK, "Put the pen on the shelf")];
+        let domains = Domains::new(&[], scenes).unwrap();
+        let configuration = Configuration::new(store(folder), domains);
+        match Hub::open(configuration.with_models(models).with_robots(robots.clone())) {
+            Ok(hub) => return hub,
+            Err(problem) => assert!(began.elapsed() < Duration::from_secs(10), "{problem}"),
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 /// Waits until a run is in a state for which `is_there` is true.

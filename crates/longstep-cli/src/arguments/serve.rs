@@ -1,0 +1,48 @@
+//! The arguments of `longstep serve`.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::model::ModelArguments;
+use super::run::ExecutionArguments;
+use super::strategy::StrategyArguments;
+
+/// A server, with its model, worlds and robots.
+#[derive(Debug, Args)]
+pub(crate) struct ServeArguments {
+    /// Address to listen at; one that other machines reach needs TLS in front, see docs/guide/server.md
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8765")]
+    pub(crate) listen: SocketAddr,
+    /// Name by which browsers reach the server besides its address, with the port (repeatable): robot.lab:443
+    #[arg(long, value_name = "HOST:PORT")]
+    pub(crate) name: Vec<String>,
+    /// File with the token; it is made if it does not exist [default: a file beside the sessions]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) token_file: Option<PathBuf>,
+    /// Environment file that a session can begin in, by its name without `.json` (repeatable); demo scenes are shipped
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: Vec<PathBuf>,
+    /// Domain of these environments: the name of a shipped domain, or a folder [default: household]
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) domain: Option<String>,
+    /// Robot, `NAME=ROBOT` or `ROBOT` (repeatable) [default: sim]
+    #[arg(long, value_name = "[NAME=]ROBOT")]
+    pub(crate) robot: Vec<String>,
+    #[command(flatten)]
+    pub(crate) execution: ExecutionArguments,
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    /// Serve without a model: plans are verified, repaired and found, and no instruction is understood
+    #[arg(long, conflicts_with = "model")]
+    pub(crate) no_model: bool,
+    /// Models that are opened at a time; one for an embedded model, more for a model on a server
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub(crate) models: u16,
+    /// Requests that may wait for the model
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub(crate) queue: u16,
+    #[command(flatten)]
+    pub(crate) strategy: StrategyArguments,
+}

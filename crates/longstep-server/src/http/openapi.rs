@@ -1,0 +1,123 @@
+//! The description of the interface, from the table of its paths.
+
+use axum::response::{IntoResponse, Response};
+use serde_json::{Map, Value, json};
+
+use super::reply::Reply;
+use super::routes::{Route, routes};
+
+/// The schemas of bodies and answers.
+const SCHEMAS: &str = include_str!("schemas.json");
+
+/// Returns the description as `OpenAPI` 3.1.
+pub(crate) async fn description() -> Response {
+    Reply(document()).into_response()
+}
+
+/// Returns the description as `OpenAPI` 3.1, for clients that are generated from it.
+pub fn document() -> Value {
+    let mut paths = Map::new();
+    for route in routes() {
+        let operations = paths.entry(route.path).or_insert_with(|| json!({}));
+        operations[route.method] = operation(&route);
+    }
+    paths.insert("/api/events".to_owned(), json!({"get": events()}));
+    // The file is part of the program, and a test reads it.
+    let schemas: Value = serde_json::from_str(SCHEMAS).unwrap_or_default();
+    json!({
+        "openapi": "3.1.0",
+        "info": {
+            "title": "Longstep",
+            "version": env!("CARGO_PKG_VERSION"),
+            "description": "Instructions to verified plans, approvals that are bound to one plan, and runs of robots.",
+        },
+        "security": [{"token": []}],
+        "paths": paths,
+        "components": {
+            "schemas": schemas,
+            "securitySchemes": {"token": {"type": "http", "scheme": "bearer"}},
+        },
+    })
+}
+
+fn reference(name: &str) -> Value {
+    json!({"$ref": format!("#/components/schemas/{name}")})
+}
+
+fn content(name: &str) -> Value {
+    json!({"application/json": {"schema": reference(name)}})
+}
+
+fn operation(route: &Route) -> Value {
+    let (status, answer) = route.answer;
+    let mut responses = json!({
+        "default": {"description": "The request is not fulfilled", "content": content("Error")},
+    });
+    responses[status.to_string()] = json!({"description": route.summary, "content": content(answer)});
+    let is_say = ["instruct", "answer", "feedback"].contains(&route.name);
+    if is_say {
+        responses["202"] =
+            json!({"description": "The model works; the session says when it is done", "content": content(answer)});
+    }
+    let mut operation = json!({
+        "operationId": route.name,
+        "summary": route.summary,
+        "parameters": parameters(route.path, is_say),
+        "responses": responses,
+    });
+    if let Some(body) = route.body {
+        operation["requestBody"] = json!({"required": true, "content": content(body)});
+    }
+    operation
+}
+
+fn parameters(path: &str, is_say: bool) -> Value {
+    let mut parameters = Vec::new();
+    if path.contains("{id}") {
+        parameters.push(json!({"name": "id", "in": "path", "required": true, "schema": {"type": "string"}}));
+    }
+    if is_say {
+        parameters.push(json!({
+            "name": "Prefer", "in": "header", "required": false,
+            "description": "`respond-async`: do not wait for the model",
+            "schema": {"type": "string"},
+        }));
+    }
+    json!(parameters)
+}
+
+fn events() -> Value {
+    let query = |name: &str, description: &str| json!({"name": name, "in": "query", "required": false, "description": description, "schema": {"type": "string"}});
+    json!({
+        "operationId": "events",
+        "summary": "The live stream as server-sent events: `happened` with a change, `reset` when states are to be read anew",
+        "parameters": [
+            query("session", "Only events of this session"),
+            query("run", "Only events of this run"),
+            query("after", "Events after this id; the header `Last-Event-ID` counts more"),
+        ],
+        "responses": {
+            "200": {"description": "The stream", "content": {"text/event-stream": {"schema": {"type": "string"}}}},
+            "default": {"description": "The request is not fulfilled", "content": content("Error")},
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_schema_that_is_named_is_there_and_used() {
+        let text = document().to_string();
+        let document = document();
+        let schemas = document["components"]["schemas"].as_object().unwrap();
+        let named: std::collections::BTreeSet<&str> = text
+            .split("#/components/schemas/")
+            .skip(1)
+            .filter_map(|rest| rest.split('"').next())
+            .collect();
+        let there: std::collections::BTreeSet<&str> = schemas.keys().map(String::as_str).collect();
+        assert_eq!(named, there);
+    }
+}
