@@ -24,6 +24,7 @@ mod id;
 pub mod mcp;
 mod models;
 mod operate;
+mod page;
 mod problem;
 mod run;
 mod store;

@@ -36,18 +36,19 @@ pub(crate) struct Line {
     pub(crate) paint: Paint,
 }
 
-/// Options of a picture.
+/// Options of a picture: its width in pixels, from which the height follows, its title, and the start of its ids.
+///
+/// ```
+/// use longstep_picture::SvgOptions;
+/// let options = SvgOptions::new(360.0).with_prefix("step-3").with_title("After step 3").without_style();
+/// assert_ne!(options, SvgOptions::new(360.0));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub struct SvgOptions {
-    /// Width of the picture in pixels; the height follows from the content.
-    pub width: f64,
-    /// Start of all ids in the picture, so that several pictures fit on one page.
-    pub prefix: String,
-    /// Title for readers who do not see the picture.
-    pub title: String,
-    /// False to leave out the stylesheet, for a page that has [`stylesheet`](super::stylesheet) once.
-    pub style: bool,
+    pub(crate) width: f64,
+    prefix: String,
+    pub(crate) title: String,
+    style: bool,
 }
 
 /// The least and the greatest width of a picture in pixels.
@@ -65,7 +66,7 @@ impl SvgOptions {
         }
     }
 
-    /// Sets the start of ids. Characters other than ASCII letters, digits, `-` and `_` are left out.
+    /// Sets the start of all ids, so that several pictures fit on one page. Characters other than ASCII letters, digits, `-` and `_` are left out.
     #[must_use]
     pub fn with_prefix(mut self, prefix: &str) -> Self {
         let is_plain = |c: &char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
@@ -73,14 +74,14 @@ impl SvgOptions {
         self
     }
 
-    /// Sets the title.
+    /// Sets the title, for readers who do not see the picture.
     #[must_use]
     pub fn with_title(mut self, title: &str) -> Self {
         title.clone_into(&mut self.title);
         self
     }
 
-    /// Leaves out the stylesheet.
+    /// Leaves out the stylesheet, for a page that has [`stylesheet`](super::stylesheet) once.
     #[must_use]
     pub fn without_style(mut self) -> Self {
         self.style = false;

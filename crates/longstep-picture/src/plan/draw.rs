@@ -1,6 +1,7 @@
 //! A diagram as SVG.
 
-use super::layout::{Piece, whole};
+use super::layout::whole;
+use super::piece::Piece;
 use super::{Diagram, DiagramNode, LaneRow};
 use crate::draw::SvgOptions;
 use crate::draw::canvas::Canvas;

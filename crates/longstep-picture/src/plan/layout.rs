@@ -1,15 +1,14 @@
 //! The layout of a diagram: a column of cards, with the sides of branches and the lanes beside each other where there is
 //! room.
 
+use super::card::{DETAIL, DETAIL_LINES, TEXT_LINES, card};
+use super::piece::{Piece, Rail, Shape, area, line_at, put};
 use super::{Diagram, DiagramNode, LaneRow, StepNode};
 use crate::draw::canvas::{Area, Line};
-use crate::draw::text::{Font, fitted, width, wrapped};
+use crate::draw::text::{Font, fitted, wrapped};
 use crate::draw::theme::{self, Paint};
 
-const TEXT: Font = Font::regular(14.0);
 const HEAD: Font = Font::bold(13.0);
-const DETAIL: Font = Font::regular(12.0);
-const NUMBER: Font = Font::bold(12.0);
 
 /// Space around the whole.
 const MARGIN: f64 = 8.0;
@@ -19,14 +18,8 @@ const SPACE: f64 = 14.0;
 const COLUMN_SPACE: f64 = 12.0;
 /// Distance of a rail from the left border of a part.
 const RAIL: f64 = 20.0;
-/// Width for the number of a step.
-const NUMBER_WIDTH: f64 = 34.0;
 /// Greatest width of a card.
 const CARD_WIDTH: f64 = 1400.0;
-/// Share of the width of a card for its text, where the details stand beside it.
-const TEXT_SHARE: f64 = 0.44;
-/// Width from which the details of a step stand beside its text.
-const BESIDE: f64 = 560.0;
 /// Least width of a side of a branch beside the other one, and of a lane beside another one.
 const SIDE_WIDTH: f64 = 220.0;
 const LANE_WIDTH: f64 = 130.0;
@@ -35,78 +28,6 @@ const EMPTY_SHARE: f64 = 0.28;
 /// Least width of a picture, and what each level of nesting takes of it.
 const LEAST_WIDTH: f64 = 180.0;
 const LEVEL_WIDTH: f64 = 14.0;
-/// Lines of a text, of a detail, and changes of a step.
-const TEXT_LINES: usize = 4;
-const DETAIL_LINES: usize = 3;
-const CHANGES: usize = 4;
-
-/// A part of a diagram with its place.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Piece {
-    pub(super) area: Area,
-    pub(super) shape: Shape,
-    pub(super) lines: Vec<Line>,
-    pub(super) children: Vec<Piece>,
-    /// Lines that connect the children.
-    pub(super) rails: Vec<Rail>,
-    /// The number of the step.
-    pub(super) step: Option<usize>,
-    /// The text for a pointer over the part.
-    pub(super) title: Option<String>,
-}
-
-/// A line between parts.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Rail {
-    pub(super) points: Vec<(f64, f64)>,
-    pub(super) paint: Paint,
-}
-
-/// The appearance of a part.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shape {
-    pub(super) paint: Paint,
-    pub(super) radius: f64,
-    pub(super) edited: bool,
-}
-
-impl Shape {
-    const fn new(paint: Paint, radius: f64) -> Self {
-        Self {
-            paint,
-            radius,
-            edited: false,
-        }
-    }
-}
-
-impl Piece {
-    fn new(area: Area, shape: Shape) -> Self {
-        Self {
-            area,
-            shape,
-            lines: Vec::new(),
-            children: Vec::new(),
-            rails: Vec::new(),
-            step: None,
-            title: None,
-        }
-    }
-
-    fn shift(&mut self, x: f64, y: f64) {
-        self.area.x += x;
-        self.area.y += y;
-        for line in &mut self.lines {
-            line.x += x;
-            line.y += y;
-        }
-        for (dx, dy) in self.rails.iter_mut().flat_map(|rail| &mut rail.points) {
-            *dx += x;
-            *dy += y;
-        }
-        self.children.iter_mut().for_each(|child| child.shift(x, y));
-    }
-}
 
 /// Lays out a diagram in a width. The area is that of the whole picture; it is wider than asked for where the parts are too
 /// deep inside each other, and the picture is scaled down then.
@@ -419,15 +340,6 @@ impl Column {
     }
 }
 
-fn area(width: f64, height: f64) -> Area {
-    Area {
-        x: 0.0,
-        y: 0.0,
-        width,
-        height,
-    }
-}
-
 /// Returns the space between the border of a frame and its content: less in narrow frames, which are deep inside others.
 fn padding(width: f64) -> f64 {
     match width {
@@ -435,34 +347,6 @@ fn padding(width: f64) -> f64 {
         _ if width > 180.0 => 5.0,
         _ => 1.0,
     }
-}
-
-fn line_at(x: f64, top: f64, text: String, font: Font, paint: Paint) -> Line {
-    Line {
-        x,
-        y: top + font.size + 1.0,
-        text,
-        font,
-        paint,
-    }
-}
-
-/// Adds a wrapped text; returns the height below it.
-fn put(
-    lines: &mut Vec<Line>,
-    (x, top): (f64, f64),
-    text: &str,
-    font: Font,
-    paint: Paint,
-    room: f64,
-    most: usize,
-) -> f64 {
-    let mut y = top;
-    for line in wrapped(text, font, room, most) {
-        lines.push(line_at(x, y, line, font, paint));
-        y += font.line_height();
-    }
-    y
 }
 
 /// Lays out a frame with a heading.
@@ -525,103 +409,4 @@ fn meeting(name: &str, names: &[String], lanes: &[usize], width: f64) -> Piece {
     ));
     piece.title = Some(format!("{text} ({})", who.join(", ")));
     piece
-}
-
-/// Lays out a step. The lane is shown where no heading shows it.
-fn card(step: &StepNode, width: f64, shows_lane: bool) -> Piece {
-    let (paint, radius) = if step.senses {
-        (theme::SENSING, 14.0)
-    } else {
-        (theme::CARD, 6.0)
-    };
-    let mut shape = Shape::new(paint, radius);
-    shape.edited = step.edited.is_some();
-    let mut piece = Piece::new(area(width, 0.0), shape);
-    piece.step = Some(step.number);
-    piece.title = Some(full_text(step));
-    let (left, top, right) = (NUMBER_WIDTH + 4.0, 7.0, 10.0);
-    let beside = width >= BESIDE;
-    let room = width - left - right;
-    let text_room = if beside { (room * TEXT_SHARE).floor() } else { room };
-    let number = step.number.to_string();
-    let indent = (NUMBER_WIDTH - self::width(&number, NUMBER)) / 2.0;
-    piece
-        .lines
-        .push(line_at(indent.max(2.0), top + 1.0, number, NUMBER, theme::MUTED));
-    let mut y = top;
-    if let Some(lane) = step.lane.as_ref().filter(|_| shows_lane) {
-        y = put(
-            &mut piece.lines,
-            (left, y),
-            lane,
-            DETAIL,
-            theme::ROBOT_INK,
-            text_room,
-            1,
-        );
-    }
-    y = put(
-        &mut piece.lines,
-        (left, y),
-        &step.text,
-        TEXT,
-        theme::INK,
-        text_room,
-        TEXT_LINES,
-    );
-    let (x, mut below, detail_room) = if beside {
-        (left + text_room + 12.0, top, room - text_room - 12.0)
-    } else {
-        (left, y + 2.0, room)
-    };
-    for (text, paint) in details(step) {
-        below = put(
-            &mut piece.lines,
-            (x, below),
-            &text,
-            DETAIL,
-            paint,
-            detail_room,
-            DETAIL_LINES,
-        );
-    }
-    piece.area.height = y.max(below) + 7.0;
-    piece
-}
-
-/// Returns the details of a step, with their paint.
-fn details(step: &StepNode) -> Vec<(String, Paint)> {
-    let mut details = Vec::new();
-    let more = step.changes.len().saturating_sub(CHANGES);
-    let changes = &step.changes[..step.changes.len() - more];
-    details.extend(changes.iter().map(|text| (format!("→ {text}"), theme::INK)));
-    if more > 0 {
-        details.push((format!("→ and {more} more changes"), theme::INK));
-    }
-    if step.unreached {
-        details.push(("no path reaches this step".to_owned(), theme::CHANGE_INK));
-    }
-    details.extend(step.brief_reason.iter().map(|text| (text.clone(), theme::MUTED)));
-    details.extend(
-        step.assumed
-            .iter()
-            .map(|text| (format!("assumed: {text}"), theme::MUTED)),
-    );
-    details.extend(
-        step.edited
-            .iter()
-            .map(|text| (format!("edited: {text}"), theme::CHANGE_INK)),
-    );
-    details
-}
-
-/// Returns everything that is known of a step.
-fn full_text(step: &StepNode) -> String {
-    let mut parts = vec![format!("step {}: {}", step.number, step.text), step.call.clone()];
-    parts.extend(step.lane.clone());
-    parts.extend(step.changes.iter().cloned());
-    parts.extend(step.reason.clone());
-    parts.extend(step.assumed.iter().map(|text| format!("assumed: {text}")));
-    parts.extend(step.edited.iter().map(|text| format!("edited: {text}")));
-    parts.join("; ")
 }

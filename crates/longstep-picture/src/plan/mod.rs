@@ -3,8 +3,10 @@
 //! [`Diagram::of`] makes the data for a page, and [`svg`] a picture of them.
 
 mod annotation;
+mod card;
 mod draw;
 mod layout;
+mod piece;
 mod sentence;
 #[cfg(test)]
 mod tests;

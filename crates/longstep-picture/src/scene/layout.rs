@@ -27,7 +27,7 @@ const STATE_LINES: usize = 3;
 /// Ratio of width to height that boxes with content tend to.
 const ASPECT: f64 = 2.4;
 /// Greatest factor by which a place grows to fill its row.
-const GROWTH: f64 = 1.6;
+const GROWTH: f64 = 2.5;
 
 /// A box with its place in the picture, and everything in it.
 #[derive(Debug, Clone, PartialEq)]
@@ -343,7 +343,7 @@ impl Page {
         });
     }
 
-    /// Adds short texts one after another, in at most [`STATE_LINES`] lines.
+    /// Adds short texts one after another, in at most [`STATE_LINES`] lines; a text longer than a line is broken.
     fn tokens(&mut self, tokens: &[(String, bool)], room: f64) {
         let (mut x, mut lines) = (0.0, 1);
         for (number, (text, new)) in tokens.iter().enumerate() {
@@ -354,31 +354,49 @@ impl Page {
             let whole = format!("{text}{separator}");
             if x > 0.0 && x + width(&whole, font) > room {
                 if lines == STATE_LINES {
-                    let rest = format!("+{}", tokens.len() - number);
-                    // The line keeps room for the count only by chance, so it takes the place of the last text.
-                    self.replace_last(rest, room);
+                    self.count_left_out(tokens.len() - number, room);
                     break;
                 }
                 (x, lines) = (0.0, lines + 1);
                 self.y += STATE.line_height();
             }
-            let shown = fitted(&whole, font, room);
-            let advance = width(&shown, font) + width(" ", font);
-            self.put(self.left + x, shown, font, paint);
-            x += advance;
+            let parts = wrapped(&whole, font, room, STATE_LINES + 1 - lines);
+            for (part, text) in parts.into_iter().enumerate() {
+                if part > 0 {
+                    (x, lines) = (0.0, lines + 1);
+                    self.y += STATE.line_height();
+                }
+                let advance = width(&text, font) + width(" ", font);
+                self.put(self.left + x, text, font, paint);
+                x += advance;
+            }
         }
         if !tokens.is_empty() {
             self.y += STATE.line_height();
         }
     }
 
-    /// Adds a count after the last text, which is shortened to make room for it.
-    fn replace_last(&mut self, count: String, room: f64) {
-        let Some(last) = self.labels.last_mut() else { return };
-        let needed = width(&count, STATE) + width(" ", STATE);
-        last.text = fitted(&last.text, last.font, self.left + room - last.x - needed);
-        let x = last.x + width(&last.text, last.font) + width(" ", STATE);
-        self.put(x, count, STATE, theme::MUTED);
+    /// Adds the number of texts that are left out to the last line, which is shortened to make room for it.
+    fn count_left_out(&mut self, mut left_out: usize, room: f64) {
+        let right = self.left + room;
+        let space = width(" ", STATE);
+        loop {
+            let count = format!("+{left_out}");
+            let needed = space + width(&count, STATE);
+            let Some(last) = self.labels.last_mut() else { return };
+            let rest = right - last.x - needed;
+            if rest >= width("…", last.font) {
+                last.text = fitted(&last.text, last.font, rest);
+                let x = last.x + width(&last.text, last.font) + space;
+                return self.put(x, count, STATE, theme::MUTED);
+            }
+            if last.x <= self.left {
+                last.text = fitted(&count, last.font, room);
+                return;
+            }
+            self.labels.pop();
+            left_out += 1;
+        }
     }
 
     /// Returns the width of the content.

@@ -28,7 +28,7 @@ type Result<T = Response, E = Problem> = std::result::Result<T, E>;
 const AUDIT: usize = 1_000;
 
 /// Does work that may wait for the disk or a search.
-async fn blocking<T: Send + 'static>(
+pub(super) async fn blocking<T: Send + 'static>(
     shared: Shared,
     work: impl FnOnce(&Arc<Hub>) -> Result<T> + Send + 'static,
 ) -> Result<T> {
@@ -36,11 +36,11 @@ async fn blocking<T: Send + 'static>(
     done.map_err(|error| Problem::new(ProblemKind::Internal, error.to_string()))?
 }
 
-fn session_id(text: &str) -> Result<SessionId> {
+pub(super) fn session_id(text: &str) -> Result<SessionId> {
     SessionId::parse(text).ok_or_else(|| Problem::missing("session", longstep_core::visible::line(text)))
 }
 
-fn run_id(text: &str) -> Result<RunId> {
+pub(super) fn run_id(text: &str) -> Result<RunId> {
     RunId::parse(text).ok_or_else(|| Problem::missing("run", longstep_core::visible::line(text)))
 }
 
@@ -393,7 +393,7 @@ pub(crate) async fn stop_all(State(shared): State<Shared>, Extension(person): Ex
 }
 
 /// Does work on a thread of its own: those for work that blocks may all be busy.
-async fn at_once<T: Send + 'static>(work: impl FnOnce() -> Result<T> + Send + 'static) -> Result<T> {
+pub(super) async fn at_once<T: Send + 'static>(work: impl FnOnce() -> Result<T> + Send + 'static) -> Result<T> {
     let (done, result) = tokio::sync::oneshot::channel();
     std::thread::spawn(move || drop(done.send(work())));
     let lost = |_| Problem::new(ProblemKind::Internal, "the stop has no answer");

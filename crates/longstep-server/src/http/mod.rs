@@ -4,6 +4,7 @@ mod access;
 mod api;
 mod events;
 mod openapi;
+mod pages;
 mod reply;
 mod routes;
 mod serve;

@@ -15,6 +15,9 @@ use crate::problem::{Problem, ProblemKind};
 /// The most bytes of a body.
 const LARGEST: usize = 4 << 20;
 
+/// The most bytes of a form: a text of 4,000 characters, each of which may take 12 bytes, and some names.
+const LARGEST_FORM: usize = 64 << 10;
+
 /// The time in which a body arrives.
 const SLOWEST: Duration = Duration::from_secs(30);
 
@@ -73,7 +76,7 @@ impl<S: Sync, T: DeserializeOwned> FromRequest<S> for Asked<T> {
             .get(header::CONTENT_TYPE)
             .and_then(|kind| kind.to_str().ok());
         let is_json = kind.is_some_and(|kind| kind.split(';').next().unwrap_or_default().trim() == "application/json");
-        let bytes = body(request.into_body()).await?;
+        let bytes = body(request.into_body(), LARGEST).await?;
         if bytes.is_empty() {
             return read(b"{}").map(Self);
         }
@@ -84,12 +87,26 @@ impl<S: Sync, T: DeserializeOwned> FromRequest<S> for Asked<T> {
     }
 }
 
-async fn body(body: Body) -> Result<Vec<u8>, Problem> {
+/// Returns the body of a form.
+///
+/// # Errors
+///
+/// It is of another type, too large, or too slow.
+pub(crate) async fn form(request: Request) -> Result<Vec<u8>, Problem> {
+    let kind = request.headers().get(header::CONTENT_TYPE);
+    let kind = kind.and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+    if kind.split(';').next().unwrap_or_default().trim() != "application/x-www-form-urlencoded" {
+        return Err(Problem::unreadable("the body is no form").hint("programs use the paths under `/api`"));
+    }
+    body(request.into_body(), LARGEST_FORM).await
+}
+
+async fn body(body: Body, limit: usize) -> Result<Vec<u8>, Problem> {
     let too_large = || {
-        Problem::new(ProblemKind::TooLarge, format!("a body may have {} MiB", LARGEST >> 20))
-            .hint("send a smaller environment or plan")
+        Problem::new(ProblemKind::TooLarge, format!("a body may have {} KiB", limit >> 10))
+            .hint("send a smaller environment, plan or text")
     };
-    match tokio::time::timeout(SLOWEST, to_bytes(body, LARGEST)).await {
+    match tokio::time::timeout(SLOWEST, to_bytes(body, limit)).await {
         Ok(Ok(bytes)) => Ok(bytes.to_vec()),
         Ok(Err(_)) => Err(too_large()),
         Err(_) => Err(Problem::unreadable("the body did not arrive in 30 seconds")),

@@ -8,7 +8,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{MethodRouter, get, post};
 
 use super::reply::Reply;
-use super::{Shared, api, events, openapi};
+use super::{Shared, api, events, openapi, pages};
 use crate::problem::{Problem, ProblemKind};
 
 /// A path of the server.
@@ -76,14 +76,14 @@ pub(crate) fn routes() -> Vec<Route> {
 
 /// Returns the router of the server.
 pub(crate) fn router(shared: Shared) -> Router {
-    let mut router = Router::new()
+    let mut router = pages::mount(Router::new())
         .route("/api/events", get(events::events))
         .route("/openapi.json", get(openapi::description));
     for route in routes() {
         router = router.route(route.path, route.handler);
     }
     router
-        .fallback(async || Problem::new(ProblemKind::Missing, "there is nothing at this path"))
+        .fallback(pages::missing)
         .method_not_allowed_fallback(async || {
             let problem = Problem::new(ProblemKind::Missing, "this path does not take this method");
             (axum::http::StatusCode::METHOD_NOT_ALLOWED, problem_body(&problem))
@@ -104,7 +104,8 @@ const HEADERS: [(HeaderName, &str); 6] = [
          form-action 'self'; frame-ancestors 'none'; base-uri 'none'",
     ),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    (header::REFERRER_POLICY, "no-referrer"),
+    // With `no-referrer` a browser hides the origin of a form, which a change must say.
+    (header::REFERRER_POLICY, "same-origin"),
     (header::CACHE_CONTROL, "no-store"),
     (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
@@ -112,8 +113,10 @@ const HEADERS: [(HeaderName, &str); 6] = [
 
 /// Lets a request through that may be: of someone with the token, by a known name of the host, not too many at a time.
 async fn guarded(State(shared): State<Shared>, request: Request, next: Next) -> Response {
+    let wants_page = pages::wants_page(&request);
     let mut response = match admitted(&shared, request, next).await {
         Ok(response) => response,
+        Err(problem) if wants_page => pages::failed(&problem),
         Err(problem) => problem.into_response(),
     };
     for (name, value) in HEADERS {

@@ -153,6 +153,16 @@ impl Store for FileStore {
             .collect())
     }
 
+    fn changed_at(&self, log: &LogName) -> Result<Option<jiff::Timestamp>, StoreError> {
+        let path = self.path(log);
+        match fs::metadata(&path).and_then(|metadata| metadata.modified()) {
+            // A time outside of the calendar is no time.
+            Ok(time) => Ok(jiff::Timestamp::try_from(time).ok()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(failed("cannot read", &path)(error)),
+        }
+    }
+
     fn insert(&self, key: &RecordKey, value: &str) -> Result<bool, StoreError> {
         let path = self.record_path(key);
         // The record has its name only when all of it is on the disk, and a name is given once.

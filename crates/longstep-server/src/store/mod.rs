@@ -75,6 +75,13 @@ pub trait Store: Send + Sync {
     /// When they cannot be listed.
     fn runs(&self) -> Result<Vec<RunId>, StoreError>;
 
+    /// Returns the time of the last addition to a log; none if there is no such log.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be read.
+    fn changed_at(&self, log: &LogName) -> Result<Option<jiff::Timestamp>, StoreError>;
+
     /// Writes a record unless there is one with this key; returns whether it was written. It is on the disk then.
     ///
     /// # Errors
