@@ -25,6 +25,7 @@ const ORDER: [&str; 14] = [
     "longstep",
     "longstep-author",
     "longstep-llm",
+    "longstep-server",
     "longstep-eval",
     "longstep-server",
     "longstep-cli",
