@@ -27,7 +27,6 @@ const ORDER: [&str; 14] = [
     "longstep-llm",
     "longstep-server",
     "longstep-eval",
-    "longstep-server",
     "longstep-cli",
 ];
 
