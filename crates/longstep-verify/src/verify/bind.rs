@@ -5,7 +5,9 @@
 //! final state differs least from the claims. Between equal bindings, entities that the step's explanation mentions
 //! come first. Arguments that are still ambiguous are listed as assumptions.
 
-use rustc_hash::FxHashSet;
+use std::collections::hash_map::Entry;
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::rules::{breaks_a_rule, broken_rules_at_end};
 use super::{Assumption, Missing, Violation, apply, unmet};
@@ -141,7 +143,6 @@ pub(super) fn bind_path(
     objects: &[EntityId],
     claim: Option<&Claim>,
 ) -> WayArguments {
-    let domain = world.domain();
     let given = |turn: &Turn| turn.step.arguments.iter().copied().collect::<Option<Vec<EntityId>>>();
     if let Some(arguments) = turns.iter().map(given).collect() {
         return WayArguments {
@@ -149,20 +150,7 @@ pub(super) fn bind_path(
             ..WayArguments::default()
         };
     }
-    let mut binder = Binder {
-        domain,
-        world,
-        claim,
-        start,
-        turns,
-        candidates: Vec::new(),
-        seen: FxHashSet::default(),
-        most: LIMIT,
-        best: None,
-        deepest: Vec::new(),
-        chosen: Vec::new(),
-        broken: 0,
-    };
+    let mut binder = Binder::new(world, start, turns, claim);
     let found = effort::within(WAY, || {
         binder.list_candidates(objects);
         if turns.len() <= LONGEST {
@@ -299,6 +287,19 @@ pub fn claimed_places(world: &World, claim: Option<&Claim>, objects: &[EntityId]
     places
 }
 
+/// All that the rest of a path depends on: bindings that reach equal nodes can be continued by the same arguments, and
+/// then break the same claims and reach the same final state.
+#[derive(PartialEq, Eq, Hash)]
+struct BindingNode {
+    /// Number of bound steps.
+    depth: usize,
+    /// Changes since the start state.
+    changed: ChangedLists,
+    /// For each assumption in [`Binder::assumed`] that is still to come: the fact that decides it and that an earlier step
+    /// has sensed. Sensing itself leaves no trace in the state.
+    sensed: Vec<Option<Fact>>,
+}
+
 struct Binder<'a> {
     domain: &'a Domain,
     world: &'a World,
@@ -307,9 +308,16 @@ struct Binder<'a> {
     turns: &'a [Turn],
     /// Candidate arguments of each step, the most likely first.
     candidates: Vec<Vec<Vec<EntityId>>>,
-    /// Visited search nodes: the step number, and the changes since the start state.
-    seen: FxHashSet<(usize, ChangedLists)>,
-    /// Maximum number of visited states.
+    /// The sensing steps with implicit arguments, by their place on the path.
+    looks: Vec<usize>,
+    /// The assumptions of the path that may depend on the arguments of `looks`, each with the place of the step that it
+    /// follows, in order.
+    assumed: Vec<(usize, &'a Learned)>,
+    /// The visited nodes, each with the least number of broken claims before it.
+    seen: FxHashMap<BindingNode, usize>,
+    /// Number of visits to nodes.
+    visits: usize,
+    /// Maximum number of visits.
     most: usize,
     /// The best executable binding and its distance: differences from the claim plus broken rules for the final state.
     best: Option<(usize, Vec<Vec<EntityId>>)>,
@@ -320,7 +328,44 @@ struct Binder<'a> {
     broken: usize,
 }
 
-impl Binder<'_> {
+impl<'a> Binder<'a> {
+    fn new(world: &'a World, start: &'a State, turns: &'a [Turn], claim: Option<&'a Claim>) -> Self {
+        let domain = world.domain();
+        let is_look = |place: &usize| {
+            let step = &turns[*place].step;
+            !domain.action(step.action).senses.is_empty() && step.arguments.contains(&None)
+        };
+        let looks: Vec<usize> = (0..turns.len()).filter(is_look).collect();
+        let mut assumed = Vec::new();
+        for (place, turn) in turns.iter().enumerate() {
+            let earlier = &looks[..looks.partition_point(|look| *look < place)];
+            assumed.extend(turn.learned.iter().filter_map(|learned| {
+                let may_depend = match learned {
+                    Learned::Outcome(look, _) => earlier.binary_search(look).is_ok(),
+                    Learned::Fact(fact, _) => !earlier.is_empty() && domain.is_sensed(fact.predicate()),
+                };
+                may_depend.then_some((place, learned))
+            }));
+        }
+        Self {
+            domain,
+            world,
+            claim,
+            start,
+            turns,
+            candidates: Vec::new(),
+            looks,
+            assumed,
+            seen: FxHashMap::default(),
+            visits: 0,
+            most: LIMIT,
+            best: None,
+            deepest: Vec::new(),
+            chosen: Vec::new(),
+            broken: 0,
+        }
+    }
+
     fn list_candidates(&mut self, objects: &[EntityId]) {
         let (domain, world) = (self.domain, self.world);
         let mut places = claimed_places(world, self.claim, objects);
@@ -393,13 +438,56 @@ impl Binder<'_> {
         })
     }
 
+    /// Notes a visit to the node that the chosen arguments lead to. Returns false if another binding has led there with as
+    /// few broken claims, so that no binding from here on is better than those that were looked at from there.
+    fn visit(&mut self, state: &State) -> bool {
+        let node = BindingNode {
+            depth: self.chosen.len(),
+            changed: state.changed_lists(self.start),
+            sensed: self.sensed(),
+        };
+        match self.seen.entry(node) {
+            Entry::Occupied(known) if *known.get() <= self.broken => return false,
+            Entry::Occupied(mut known) => {
+                known.insert(self.broken);
+            }
+            Entry::Vacant(new) => {
+                new.insert(self.broken);
+            }
+        }
+        self.visits += 1;
+        true
+    }
+
+    /// Returns, for each assumption that is still to come, the fact that decides it and that an earlier step has sensed.
+    fn sensed(&self) -> Vec<Option<Fact>> {
+        let depth = self.chosen.len();
+        let assumed = &self.assumed[self.assumed.partition_point(|(place, _)| *place < depth)..];
+        if assumed.is_empty() {
+            return Vec::new();
+        }
+        let looks = &self.looks[..self.looks.partition_point(|look| *look < depth)];
+        effort::spend(assumed.len() + looks.len());
+        let outcomes = |look: usize| {
+            let atoms = self.action(look).senses.iter();
+            atoms.map(move |atom| ground(atom, &self.chosen[look]))
+        };
+        let sensed: FxHashSet<Fact> = looks.iter().flat_map(|look| outcomes(*look)).collect();
+        let decides = |(_, learned): &(usize, &Learned)| match *learned {
+            Learned::Outcome(look, _) if *look < depth => outcomes(*look).next(),
+            Learned::Fact(fact, _) if sensed.contains(fact) => Some(*fact),
+            Learned::Outcome(..) | Learned::Fact(..) => None,
+        };
+        assumed.iter().map(decides).collect()
+    }
+
     fn descend(&mut self, state: &State) {
         let depth = self.chosen.len();
         let best = self.best.as_ref().map(|(distance, _)| *distance);
         // Broken claims of steps count in the final distance, so this branch cannot beat the best binding.
         let hopeless = best.is_some_and(|best| best == 0 || (self.broken > 0 && self.broken >= best));
-        let stopped = self.seen.len() >= self.most || effort::is_exhausted();
-        if stopped || hopeless || !self.seen.insert((depth, state.changed_lists(self.start))) {
+        let stopped = self.visits >= self.most || effort::is_exhausted();
+        if stopped || hopeless || !self.visit(state) {
             return;
         }
         if depth > self.deepest.len() {
@@ -408,7 +496,7 @@ impl Binder<'_> {
         if depth == self.candidates.len() {
             let claimed = self.broken + self.claimed_differences(state).len();
             if claimed == 0 {
-                self.most = self.most.min(self.seen.len() + AFTER);
+                self.most = self.most.min(self.visits + AFTER);
             }
             let distance = claimed + broken_rules_at_end(self.world, state);
             if best.is_none_or(|best| distance < best) {
@@ -519,11 +607,12 @@ impl Binder<'_> {
         index: usize,
         other: &[EntityId],
     ) -> bool {
-        let outcome_of_it = |learned: &Learned| matches!(learned, Learned::Outcome(place, _) if *place == index);
-        let last_use = self
-            .turns
-            .iter()
-            .rposition(|turn| turn.learned.iter().any(outcome_of_it));
+        let senses = !self.action(index).senses.is_empty();
+        let depends = |learned: &Learned| match learned {
+            Learned::Outcome(place, _) => *place == index,
+            Learned::Fact(fact, _) => senses && self.domain.is_sensed(fact.predicate()),
+        };
+        let last_use = self.turns.iter().rposition(|turn| turn.learned.iter().any(depends));
         let mut changed = chosen[..=index].to_vec();
         changed[index] = other.to_vec();
         let (mut state, mut broken) = along[index].clone();

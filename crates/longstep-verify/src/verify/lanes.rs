@@ -81,9 +81,9 @@ impl Walk<'_> {
             return known.push(path);
         };
         self.same_state(first.clone(), &path);
-        let progress = self.progress_of(&path);
         effort::spend(known.len());
-        if known.iter().any(|known| self.progress_of(known) == progress) {
+        let is_equal = |known: &ExecutionPath| self.progress_of(known).eq(self.progress_of(&path));
+        if known.iter().any(is_equal) {
             return;
         }
         // A path that is neither followed nor refused would be one that nobody has checked.

@@ -256,8 +256,8 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns the progress in the state of a path.
-    pub(super) fn progress_of(&self, path: &ExecutionPath) -> Vec<Fact> {
-        path.state.iter_from(self.domain.predicates.len()).collect()
+    pub(super) fn progress_of<'p>(&self, path: &'p ExecutionPath) -> impl Iterator<Item = Fact> + use<'p> {
+        path.state.iter_from(self.domain.predicates.len())
     }
 
     /// Returns the first goal that a path did not achieve in order, with `true` for one of the first stage.
