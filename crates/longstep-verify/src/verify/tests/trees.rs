@@ -3,8 +3,7 @@
 use super::bench::{self, Guard, Part, does, domain, messages, not, plan, report, world};
 use crate::verify::{Milestone, Purpose, Report, STATES, Violation, check as check_plan, simulated};
 use longstep_model::effort;
-use longstep_model::model::{Atom, Condition, Term, Wanted, When, World};
-use std::ops::RangeInclusive;
+use longstep_model::model::{Condition, Wanted, World};
 
 /// Checks the messages for a plan with three lamps of which the first is lit.
 fn check(parts: &[Part], expected: &[&str]) {
@@ -250,18 +249,11 @@ fn a_thousand_branches_that_come_together_are_followed() {
 
 /// Returns the milestone that the first lamp is lit while the second one is not.
 fn lit_before(world: &World, first: usize, second: usize) -> Milestone {
-    let lit = |number: usize| bench::fact(world, "lit", number);
-    let condition = |slot: usize, holds: bool| Condition::Atom {
-        atom: Atom {
-            predicate: lit(first).predicate(),
-            terms: vec![Term::Variable(slot)],
-        },
-        holds,
-        at: When::Now,
-    };
+    let lit = Wanted::of_fact(world.domain(), bench::fact(world, "lit", first));
+    let other_is_dark = lit.condition.clone().with_slots(&|_| 1).complement();
     Milestone {
         wanted: Wanted {
-            condition: Condition::And(vec![condition(0, true), condition(1, false)]),
+            condition: Condition::And(vec![lit.condition, other_is_dark]),
             bindings: vec![bench::lamp(world, first), bench::lamp(world, second)],
         },
         anew: false,
@@ -280,16 +272,16 @@ fn lanes_with_more_paths_than_the_limit_are_refused() {
     ] {
         let world = world(&domain, 2 * count, &[]);
         let (left, right) = (1..=count, count + 1..=2 * count);
-        let lane = |verb: &str, lamps: RangeInclusive<usize>| -> Vec<String> {
-            lamps.map(|lamp| format!("{verb} {lamp}")).collect()
-        };
         let lanes = vec![
-            ("left", lane("press left", left.clone())),
-            ("right", lane("press right", right.clone())),
+            ("left", left.clone().map(|lamp| format!("press left {lamp}")).collect()),
+            (
+                "right",
+                right.clone().map(|lamp| format!("press right {lamp}")).collect(),
+            ),
         ];
         // At the end, all lamps of the one lane are lit and those of the other are not, whatever the order was.
         let mut parts = vec![Part::Lanes(lanes)];
-        parts.extend(lane("unpress right", right.clone()).into_iter().map(Part::Do));
+        parts.extend(right.clone().map(|lamp| does(&format!("unpress right {lamp}"))));
         let pairs = left.flat_map(|first| right.clone().map(move |second| (first, second)));
         let purpose = Purpose {
             stages: vec![pairs.map(|(first, second)| lit_before(&world, first, second)).collect()],
