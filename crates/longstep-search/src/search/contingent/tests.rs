@@ -253,14 +253,7 @@ fn policy_that_costs_too_much_is_not_proven_impossible() {
         let target = Target::of(&domain, &goal.purpose(&world));
         let scope = Scope::whole(&world, &Requirements::of(&world, &target.wanted, &target.stages));
         let task = relevance::reduce(ground::ground_sensing(&world, &scope, &target));
-        let manner = Manner {
-            limit: 10_000,
-            ties: TIES,
-            weight: 1,
-            looping: false,
-            deepest: DEEPEST,
-        };
-        let mut search = Search::new(&task, manner);
+        let mut search = Search::new(&task, exact(10_000));
         let found = match search.run(below) {
             Ok(Some(_)) => "found",
             Ok(None) if search.is_too_dear() => "too dear",
@@ -274,21 +267,17 @@ fn policy_that_costs_too_much_is_not_proven_impossible() {
 /// Returns the domain with a cost of 3 for each step.
 fn with_costs(name: &str) -> longstep_model::model::Domain {
     let mut files = longstep_model::domain::shipped_files(name).unwrap();
-    let mut actions = files.pddl.split("(:action ");
+    let mut actions = files.pddl.trim_end().strip_suffix(')').unwrap().split("(:action ");
     let mut pddl = format!("{}(:functions (total-cost) - number)\n", actions.next().unwrap());
     for action in actions {
         let (before, effect) = action.split_once(":effect ").unwrap();
-        let mut depth = 0;
-        let is_end = |letter: char| {
-            depth += i32::from(letter == '(') - i32::from(letter == ')');
-            depth == 0
-        };
-        let (effect, after) = effect.split_at(effect.find(is_end).unwrap() + 1);
+        // The last effect of an action ends with its parenthesis.
+        let (effect, after) = effect.rsplit_once(')').unwrap();
         pddl.push_str(&format!(
-            "(:action {before}:effect (and {effect} (increase (total-cost) 3)){after}"
+            "(:action {before}:effect (and {effect} (increase (total-cost) 3))){after}"
         ));
     }
-    files.pddl = pddl;
+    files.pddl = pddl + ")";
     longstep_model::domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"))
 }
 
