@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::domain::Domain;
-use longstep::perception::{CorrectionDialogue, Coverage, SightDialogue, SightInput, View};
+use longstep::perception::{CorrectionDialogue, LookSource, SightDialogue, SightInput, View};
 use longstep_core::diagnostic::Diagnostics;
 use longstep_core::environment::{self, Environment};
 use longstep_core::geometry::{self, Look, LookError, Scene};
@@ -65,7 +65,7 @@ pub(crate) fn run(arguments: &SeeArguments) -> Result<u8> {
 /// An environment, and the person's agreement to it.
 struct Seen {
     report: LookReport,
-    coverage: Coverage,
+    source: LookSource,
     agreed: bool,
 }
 
@@ -123,7 +123,7 @@ fn seen_in_boxes(arguments: &SeeArguments, domain: &Domain, file: &str, text: &s
     let agreed = report.contradictions.is_empty() && (is_clean || arguments.yes || confirmed(arguments)?);
     Ok(Seen {
         report,
-        coverage: Coverage::Poses,
+        source: LookSource::Poses,
         agreed,
     })
 }
@@ -197,7 +197,7 @@ fn seen_by_model(arguments: &SeeArguments, domain: &Domain, source: &Source) -> 
     }
     Ok(Seen {
         agreed: agreed && report.contradictions.is_empty(),
-        coverage: Coverage::Stated,
+        source: LookSource::Stated,
         report,
     })
 }

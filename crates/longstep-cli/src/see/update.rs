@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &SeeArguments, source: &Source, named: &str) -> Res
     let own = session.world().environment();
     let all = own.assets.iter().chain(&own.objects);
     let not_seen: Vec<String> = all.filter(|name| !listed(name)).cloned().collect();
-    let statements = observation(session.world(), look, seen.coverage);
+    let statements = observation(session.world(), look, seen.source);
     let observed = session.observed(&statements).map_err(unfit)?;
     if !arguments.json {
         show_changes(&observed, &not_seen);

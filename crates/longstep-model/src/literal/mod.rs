@@ -11,7 +11,7 @@ mod parser;
 mod quoted;
 
 pub use leniency::{Leniency, LeniencyKind, Notes};
-pub use parser::{FENCE, Reason};
+pub use parser::{FENCE, FaultReason};
 
 use crate::json::Path;
 use LeniencyKind as Kind;
@@ -27,7 +27,7 @@ pub struct ValueNode {
     /// Byte offset of the value.
     pub at: usize,
     /// The value.
-    pub value: Value,
+    pub value: LiteralValue,
 }
 
 impl PartialEq for ValueNode {
@@ -38,7 +38,7 @@ impl PartialEq for ValueNode {
 
 /// A value. Plans contain no numeric data, so a number is kept as text.
 #[derive(Debug, PartialEq)]
-pub enum Value {
+pub enum LiteralValue {
     /// `null` or `None`.
     Null,
     /// `true`, `True`, `false` or `False`.
@@ -72,7 +72,7 @@ impl PartialEq for Member {
 
 /// A completely parsed object.
 #[derive(Debug)]
-pub struct Literal {
+pub struct ParsedLiteral {
     /// The object, or another value where the text is one.
     pub node: ValueNode,
     /// Byte offset after the closing brace.
@@ -81,7 +81,7 @@ pub struct Literal {
     pub notes: Notes,
 }
 
-impl Literal {
+impl ParsedLiteral {
     /// Creates a literal of a value that another reader read.
     pub fn of_node(node: ValueNode, notes: Notes) -> Self {
         let end = node.at;
@@ -95,16 +95,16 @@ pub struct Fault {
     /// Byte offset where parsing stopped.
     pub at: usize,
     /// The cause.
-    pub reason: Reason,
+    pub reason: FaultReason,
     /// True if the object has a key that only plans have.
     pub of_plan: bool,
 }
 
 /// Parses the object or list whose opening bracket is at byte `start`.
-pub fn bracketed(text: &str, start: usize) -> Result<Literal, Fault> {
+pub fn bracketed(text: &str, start: usize) -> Result<ParsedLiteral, Fault> {
     let mut parser = Parser::new(text, start);
     match parser.value() {
-        Ok(node) => Ok(Literal {
+        Ok(node) => Ok(ParsedLiteral {
             node,
             end: parser.at,
             notes: parser.notes,
@@ -118,7 +118,7 @@ pub fn bracketed(text: &str, start: usize) -> Result<Literal, Fault> {
 }
 
 /// Parses a text that is one value, with comments and an assignment to a name around it.
-pub fn whole(text: &str) -> Result<Literal, Fault> {
+pub fn whole(text: &str) -> Result<ParsedLiteral, Fault> {
     let mut comments = Parser::new(text, 0);
     // An empty text fails below.
     let _ = comments.peek();
@@ -131,7 +131,7 @@ pub fn whole(text: &str) -> Result<Literal, Fault> {
     if behind.peek().is_ok() || behind.at < text.len() {
         return Err(Fault {
             at: behind.at,
-            reason: Reason::Malformed("expected the end of the text".to_owned()),
+            reason: FaultReason::Malformed("expected the end of the text".to_owned()),
             of_plan: false,
         });
     }
@@ -145,16 +145,16 @@ pub fn whole(text: &str) -> Result<Literal, Fault> {
 /// The path of a key that stands there twice.
 pub fn json(node: &ValueNode, path: &Path) -> Result<serde_json::Value, Path> {
     Ok(match &node.value {
-        Value::Null => serde_json::Value::Null,
-        Value::Bool(value) => serde_json::Value::Bool(*value),
-        Value::Number(digits) => serde_json::from_str(digits).unwrap_or(serde_json::Value::Null),
-        Value::Text(text) => serde_json::Value::String(text.clone()),
-        Value::List(items) => {
+        LiteralValue::Null => serde_json::Value::Null,
+        LiteralValue::Bool(value) => serde_json::Value::Bool(*value),
+        LiteralValue::Number(digits) => serde_json::from_str(digits).unwrap_or(serde_json::Value::Null),
+        LiteralValue::Text(text) => serde_json::Value::String(text.clone()),
+        LiteralValue::List(items) => {
             let items = items.iter().enumerate();
             let items = items.map(|(index, item)| json(item, &path.index(index)));
             serde_json::Value::Array(items.collect::<Result<_, _>>()?)
         }
-        Value::Object(entries) => {
+        LiteralValue::Object(entries) => {
             let mut object = serde_json::Map::new();
             for Member { key, node, .. } in entries {
                 let path = path.push(&shorten(key));
@@ -185,11 +185,11 @@ impl Parser<'_> {
         let next = self.peek()?;
         let at = self.at;
         let value = match next {
-            '{' => Value::Object(self.nested(Self::members)?),
-            '[' => Value::List(self.nested(|parser| Ok(parser.items(']')?.0))?),
+            '{' => LiteralValue::Object(self.nested(Self::members)?),
+            '[' => LiteralValue::List(self.nested(|parser| Ok(parser.items(']')?.0))?),
             '(' => self.nested(Self::parenthesised)?,
-            '-' | '0'..='9' => Value::Number(self.number()?),
-            _ if is_quote(self.rest()) => Value::Text(self.texts()?),
+            '-' | '0'..='9' => LiteralValue::Number(self.number()?),
+            _ if is_quote(self.rest()) => LiteralValue::Text(self.texts()?),
             _ => self.bare_word(next)?,
         };
         Ok(ValueNode { at, value })
@@ -198,7 +198,7 @@ impl Parser<'_> {
     /// Parses the content after an opening bracket, within the depth limit.
     fn nested<T>(&mut self, read: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
         if self.depth == DEEPEST {
-            return Err(Reason::TooDeep);
+            return Err(FaultReason::TooDeep);
         }
         self.at += 1;
         self.depth += 1;
@@ -263,7 +263,7 @@ impl Parser<'_> {
     }
 
     /// Parses a tuple, `(a, b)`, `(a,)` or `()`, or a parenthesized value, `(a)`.
-    fn parenthesised(&mut self) -> Parsed<Value> {
+    fn parenthesised(&mut self) -> Parsed<LiteralValue> {
         let at = self.at - 1;
         let (mut items, commas) = self.items(')')?;
         match items.pop() {
@@ -274,7 +274,7 @@ impl Parser<'_> {
             last => {
                 self.notes.add(Kind::Tuple, at);
                 items.extend(last);
-                Ok(Value::List(items))
+                Ok(LiteralValue::List(items))
             }
         }
     }
@@ -297,7 +297,7 @@ impl Parser<'_> {
     fn number(&mut self) -> Parsed<String> {
         let rest = self.rest();
         let inside = |c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.' | '_');
-        let length = rest.find(|c| !inside(c)).ok_or(Reason::CutOff)?;
+        let length = rest.find(|c| !inside(c)).ok_or(FaultReason::CutOff)?;
         let number = &rest[..length];
         if !is_json_number(number) {
             return malformed(format!("`{}` is not a number", shorten(number)));
@@ -306,20 +306,20 @@ impl Parser<'_> {
         Ok(number.to_owned())
     }
 
-    fn bare_word(&mut self, next: char) -> Parsed<Value> {
+    fn bare_word(&mut self, next: char) -> Parsed<LiteralValue> {
         let rest = self.rest();
         let length = word_length(rest);
         let word = &rest[..length];
         if length == rest.len() {
-            return Err(Reason::CutOff);
+            return Err(FaultReason::CutOff);
         }
         let (value, python) = match word {
-            "null" => (Value::Null, false),
-            "true" => (Value::Bool(true), false),
-            "false" => (Value::Bool(false), false),
-            "None" => (Value::Null, true),
-            "True" => (Value::Bool(true), true),
-            "False" => (Value::Bool(false), true),
+            "null" => (LiteralValue::Null, false),
+            "true" => (LiteralValue::Bool(true), false),
+            "false" => (LiteralValue::Bool(false), false),
+            "None" => (LiteralValue::Null, true),
+            "True" => (LiteralValue::Bool(true), true),
+            "False" => (LiteralValue::Bool(false), true),
             "" if rest.starts_with("...") => return malformed("`...` stands for something that was left out"),
             "" => return malformed(format!("expected a value, found `{next}`")),
             _ => return malformed(format!("`{}` is not in quotes", shorten(word))),

@@ -7,7 +7,7 @@ pub const FENCE: &str = "```";
 
 /// Why an object cannot be parsed.
 #[derive(Debug)]
-pub enum Reason {
+pub enum FaultReason {
     /// The text or its code block ends before the object does.
     CutOff,
     /// Brackets are nested deeper than [`DEEPEST`](super::DEEPEST).
@@ -26,10 +26,10 @@ pub(crate) struct Parser<'t> {
     pub(crate) notes: Notes,
 }
 
-pub(crate) type Parsed<T> = Result<T, Reason>;
+pub(crate) type Parsed<T> = Result<T, FaultReason>;
 
 pub(crate) fn malformed<T>(message: impl Into<String>) -> Parsed<T> {
-    Err(Reason::Malformed(message.into()))
+    Err(FaultReason::Malformed(message.into()))
 }
 
 impl<'t> Parser<'t> {
@@ -57,7 +57,7 @@ impl<'t> Parser<'t> {
         loop {
             let rest = self.rest();
             let Some(next) = rest.chars().next() else {
-                return Err(Reason::CutOff);
+                return Err(FaultReason::CutOff);
             };
             if matches!(next, ' ' | '\t' | '\n' | '\r') {
                 self.at += 1;
@@ -71,11 +71,11 @@ impl<'t> Parser<'t> {
                 self.note(Kind::Comment);
                 let Some(end) = comment.find("*/") else {
                     self.at = self.text.len();
-                    return Err(Reason::CutOff);
+                    return Err(FaultReason::CutOff);
                 };
                 self.at += 2 + end + 2;
             } else if rest.starts_with(FENCE) {
-                return Err(Reason::CutOff);
+                return Err(FaultReason::CutOff);
             } else {
                 return Ok(next);
             }

@@ -1,7 +1,7 @@
 //! String literals in quotes of any style: JSON, Python or typographic.
 
 use super::leniency::LeniencyKind as Kind;
-use super::parser::{FENCE, Parsed, Parser, Reason, malformed};
+use super::parser::{FENCE, FaultReason, Parsed, Parser, malformed};
 
 /// Opening quotes with their closing quotes; longer ones first.
 const QUOTES: [(&str, Quote); 10] = [
@@ -106,14 +106,14 @@ impl Parser<'_> {
                 return Ok(text);
             }
             match rest.chars().next() {
-                None => return Err(Reason::CutOff),
+                None => return Err(FaultReason::CutOff),
                 Some('\\') => text.extend(self.escape()?),
                 Some(next) => {
                     if next == '\n' && !line_breaks {
                         return malformed("a key breaks off at the end of the line");
                     }
                     if next == '\n' && rest[1..].trim_start_matches([' ', '\t']).starts_with(FENCE) {
-                        return Err(Reason::CutOff);
+                        return Err(FaultReason::CutOff);
                     }
                     if next < ' ' && !quote.is_triple() {
                         self.note(Kind::RawControl);
@@ -131,7 +131,7 @@ impl Parser<'_> {
     /// Parses an escape sequence; returns none for an escaped line break.
     fn escape(&mut self) -> Parsed<Option<char>> {
         let rest = &self.rest()[1..];
-        let next = rest.chars().next().ok_or(Reason::CutOff)?;
+        let next = rest.chars().next().ok_or(FaultReason::CutOff)?;
         let plain = match next {
             '"' | '\\' | '/' => Some(next),
             'b' => Some('\u{8}'),
@@ -175,7 +175,7 @@ impl Parser<'_> {
         let code = if (0xd800..0xdc00).contains(&first) {
             let rest = self.rest();
             if rest.is_empty() || rest == "\\" {
-                return Err(Reason::CutOff);
+                return Err(FaultReason::CutOff);
             }
             if !rest.starts_with("\\u") {
                 return malformed("half a character: a second `\\u` must follow");
@@ -205,7 +205,7 @@ impl Parser<'_> {
                 self.at += 2 + digits;
                 Ok(code)
             }
-            _ if found.len() == rest.len() => Err(Reason::CutOff),
+            _ if found.len() == rest.len() => Err(FaultReason::CutOff),
             _ => malformed(format!("expected {digits} hexadecimal digits after the backslash")),
         }
     }

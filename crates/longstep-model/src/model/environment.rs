@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::call::{Call, unquoted};
 use crate::diagnostic::Position;
 use crate::json::Path;
-use crate::literal::{self, Reason};
+use crate::literal::{self, FaultReason};
 
 /// An environment as its file writes it: the entities and the states of each.
 ///
@@ -218,10 +218,12 @@ impl Environment {
             let position = Position::of(text, fault.at);
             // The reader that came further says more about the mistake.
             match fault.reason {
-                Reason::Malformed(message) if json.position.is_none_or(|json| json < position) => EnvironmentError {
-                    message,
-                    position: Some(position),
-                },
+                FaultReason::Malformed(message) if json.position.is_none_or(|json| json < position) => {
+                    EnvironmentError {
+                        message,
+                        position: Some(position),
+                    }
+                }
                 _ => json.clone(),
             }
         })?;

@@ -24,12 +24,13 @@ pub(super) fn are_contradictory<'t>(tests: impl IntoIterator<Item = &'t GroundTe
             GroundTest::Known(expression, false) => unknown.push(expression),
         }
     }
-    let is_known = |expression: &&GroundExpression| match expression {
+    let mut unknown = unknown.into_iter();
+    let is_known_too = unknown.any(|expression| match expression {
         Arithmetic::Constant(_) => true,
         Arithmetic::Value(fluent) => known.contains(fluent),
         Arithmetic::Operation(..) => false,
-    };
-    unknown.iter().any(is_known) || bounds.are_contradictory()
+    });
+    is_known_too || bounds.are_contradictory()
 }
 
 /// A sum of numbers, each with its sign, and a constant in millionths.
@@ -148,14 +149,15 @@ impl DifferenceBounds {
         }
         // A cycle with a negative sum says that a number is less than itself.
         let is_negative = |node: usize| least[node][node].is_some_and(|sum| sum < 0);
-        let is_fixed = |(first, second, value): &(usize, usize, i128)| {
-            if first == second {
-                *value == 0
-            } else {
-                least[*first][*second] == Some(*value) && least[*second][*first] == Some(-value)
-            }
-        };
-        (0..count).any(is_negative) || self.not.iter().any(is_fixed)
+        let is_least = |first: usize, second: usize, value: i128| least[first][second] == Some(value);
+        (0..count).any(is_negative)
+            || self.not.iter().any(|(first, second, value)| {
+                if first == second {
+                    *value == 0
+                } else {
+                    is_least(*first, *second, *value) && is_least(*second, *first, -value)
+                }
+            })
     }
 }
 
@@ -164,16 +166,22 @@ mod tests {
     use super::*;
     use longstep_model::model::{FunctionId, Number};
 
-    fn test(text: &str) -> GroundTest {
-        let words: Vec<&str> = text.split(' ').collect();
-        let side = |word: &str| match Number::parse(word) {
+    fn side(word: &str) -> GroundExpression {
+        match Number::parse(word) {
             Some(number) => Arithmetic::Constant(number),
             None => Arithmetic::Value(Fluent::new(FunctionId::new(usize::from(word.as_bytes()[0])), [])),
-        };
-        let sum = |word: &str| match word.split_once('+') {
+        }
+    }
+
+    fn sum(word: &str) -> GroundExpression {
+        match word.split_once('+') {
             Some((left, right)) => Arithmetic::operation(Operation::Plus, side(left), side(right)),
             None => side(word),
-        };
+        }
+    }
+
+    fn test(text: &str) -> GroundTest {
+        let words: Vec<&str> = text.split(' ').collect();
         match words[..] {
             [left, comparison, right] => {
                 GroundTest::Compare(sum(left), Comparison::of(comparison).unwrap(), sum(right))

@@ -32,20 +32,6 @@ impl Choice {
             .alternatives()
             .map(|goal| (goal, goal.wanted(domain, &[])))
             .collect();
-        let holding = |states: &[State], everywhere: bool| -> Vec<&GoalFact> {
-            let is_so = |wanted: &Wanted, state: &State| {
-                holds(Moment { world, state }, &wanted.condition, &mut wanted.bindings.clone())
-            };
-            let found = wanted.iter().filter(|(_, wanted)| {
-                let mut states = states.iter();
-                if everywhere {
-                    states.all(|state| is_so(wanted, state))
-                } else {
-                    states.any(|state| is_so(wanted, state))
-                }
-            });
-            found.map(|(goal, _)| *goal).collect()
-        };
         let endings: Vec<State> = report.endings.iter().map(|ending| ending.after.clone()).collect();
         let mut state = world.state.clone();
         let mut on_the_way = vec![state.clone()];
@@ -55,7 +41,7 @@ impl Choice {
         }
         let mut found = [(&endings, true), (&endings, false), (&on_the_way, false)]
             .into_iter()
-            .map(|(states, everywhere)| holding(states, everywhere));
+            .map(|(states, everywhere)| holding(world, &wanted, states, everywhere));
         found.find(|found| !found.is_empty()).unwrap_or_default()
     }
 
@@ -79,12 +65,14 @@ impl Choice {
             format!("for {number} of ({}): ", group.members_in(voice, world))
         });
         let counted: String = counted.collect();
-        let named = |group: &Group| match group.quantifier {
-            Quantifier::Any => group.sentence_in(voice, world),
-            _ => "it".to_owned(),
-        };
-        let name = |entity: EntityId| voice.name(world, entity);
-        let sentence = self.of_first(|goal, name| goal.sentence_with(voice, world, name), &named, &name);
+        let sentence = self.of_first(
+            |goal, name| goal.sentence_with(voice, world, name),
+            &|group| match group.quantifier {
+                Quantifier::Any => group.sentence_in(voice, world),
+                _ => "it".to_owned(),
+            },
+            &|entity| voice.name(world, entity),
+        );
         format!("{counted}{sentence}")
     }
 
@@ -98,11 +86,13 @@ impl Choice {
         let Some((members, goal)) = self.goals.first() else {
             return String::new();
         };
-        let named = |entity: EntityId| match members.iter().position(|member| *member == entity) {
-            Some(place) => group(&self.groups[place]),
-            None => name(entity),
-        };
-        write(goal, &named)
+        write(
+            goal,
+            &|entity| match members.iter().position(|member| *member == entity) {
+                Some(place) => group(&self.groups[place]),
+                None => name(entity),
+            },
+        )
     }
 
     /// Maps the choice to another world by identifiers; none if an entity is missing there.
@@ -140,12 +130,12 @@ impl Choice {
     pub(super) fn is_possible(&self, allowed: &dyn Fn(usize) -> bool) -> bool {
         let all: Vec<usize> = (0..self.goals.len()).collect();
         let part = &|index: usize| truth(allowed(index));
-        let counted = |quantifier: Quantifier, parts: Vec<Condition>| {
+        let condition = self.nested(0, &all, part, &|quantifier, parts| {
             let met = parts.iter().filter(|part| **part == Condition::TRUE).count();
             // More members than wanted are no obstacle: a plan may leave them out.
             truth(met >= quantifier.least())
-        };
-        self.nested(0, &all, part, &counted) == Condition::TRUE
+        });
+        condition == Condition::TRUE
     }
 
     /// Returns the condition to achieve.
@@ -183,15 +173,13 @@ impl Choice {
         let Some(group) = self.groups.get(level) else {
             return indices.first().map_or(truth(false), |index| part(*index));
         };
-        let of_member = |member: &EntityId| {
-            let own = indices
-                .iter()
-                .copied()
-                .filter(|index| self.goals[*index].0[level] == *member);
-            let own: Vec<usize> = own.collect();
-            self.nested(level + 1, &own, part, count)
-        };
-        count(group.count(), group.members.iter().map(of_member).collect())
+        let mut parts = Vec::with_capacity(group.members.len());
+        for member in &group.members {
+            let is_own = |index: &usize| self.goals[*index].0[level] == *member;
+            let own: Vec<usize> = indices.iter().copied().filter(is_own).collect();
+            parts.push(self.nested(level + 1, &own, part, count));
+        }
+        count(group.count(), parts)
     }
 
     /// Returns the number of copies of alternatives in the condition; see [`at_least`].
@@ -208,6 +196,23 @@ impl Choice {
         }
         size
     }
+}
+
+/// Returns the goals whose conditions hold in all states, if `everywhere`, or else in some of them.
+fn holding<'g>(
+    world: &World,
+    wanted: &[(&'g GoalFact, Wanted)],
+    states: &[State],
+    everywhere: bool,
+) -> Vec<&'g GoalFact> {
+    let mut found = Vec::new();
+    for (goal, Wanted { condition, bindings }) in wanted {
+        let is_so = |state: &State| holds(Moment { world, state }, condition, &mut bindings.clone());
+        if everywhere && states.iter().all(is_so) || !everywhere && states.iter().any(is_so) {
+            found.push(*goal);
+        }
+    }
+    found
 }
 
 fn truth(value: bool) -> Condition {

@@ -57,10 +57,7 @@ impl NumberGoal {
 
     /// Writes the comparison in the goal language; `name` gives the name of each entity.
     pub(super) fn written(&self, domain: &Domain, name: &dyn Fn(EntityId) -> String) -> String {
-        let fluent = |fluent: Fluent| {
-            let arguments: Vec<String> = domain.arguments_of(fluent).map(name).collect();
-            format!("{}({})", domain.function(fluent.function()).word, arguments.join(", "))
-        };
+        let fluent = |fluent: Fluent| written_fluent(domain, fluent, name);
         let right = match self.operand {
             Operand::Number(number) => number.to_string(),
             Operand::Fluent(other) => fluent(other),
@@ -94,10 +91,7 @@ impl NumberGoal {
 
     /// Maps the comparison to another world; none if an entity is missing there.
     pub(super) fn carried(&self, domain: &Domain, there: impl Fn(EntityId) -> Option<EntityId>) -> Option<Self> {
-        let carried = |fluent: Fluent| {
-            let arguments = domain.arguments_of(fluent).map(&there).collect::<Option<Vec<_>>>()?;
-            Some(Fluent::new(fluent.function(), arguments))
-        };
+        let carried = |fluent: Fluent| carried_fluent(domain, fluent, &there);
         Some(Self {
             fluent: carried(self.fluent)?,
             operand: match self.operand {
@@ -112,24 +106,36 @@ impl NumberGoal {
     pub(super) fn wanted(&self, domain: &Domain) -> Wanted {
         let bindings = self.about(domain);
         let mut slots = (0..bindings.len()).map(Term::Variable);
-        let mut application = |fluent: Fluent| {
-            let arity = domain.function(fluent.function()).parameters.len();
-            Arithmetic::Value(Application {
-                function: fluent.function(),
-                terms: slots.by_ref().take(arity).collect(),
-                at: When::Now,
-            })
-        };
-        let left = application(self.fluent);
+        let left = application(domain, self.fluent, &mut slots);
         let right = match self.operand {
             Operand::Number(number) => Arithmetic::Constant(number),
-            Operand::Fluent(other) => application(other),
+            Operand::Fluent(other) => application(domain, other, &mut slots),
         };
         Wanted {
             condition: Condition::Number(NumberTest::Compare(left, self.comparison, right)),
             bindings,
         }
     }
+}
+
+fn written_fluent(domain: &Domain, fluent: Fluent, name: &dyn Fn(EntityId) -> String) -> String {
+    let arguments: Vec<String> = domain.arguments_of(fluent).map(name).collect();
+    format!("{}({})", domain.function(fluent.function()).word, arguments.join(", "))
+}
+
+fn carried_fluent(domain: &Domain, fluent: Fluent, there: impl Fn(EntityId) -> Option<EntityId>) -> Option<Fluent> {
+    let arguments = domain.arguments_of(fluent).map(there).collect::<Option<Vec<_>>>()?;
+    Some(Fluent::new(fluent.function(), arguments))
+}
+
+/// Returns the number of a fluent with the next slots as its arguments.
+fn application(domain: &Domain, fluent: Fluent, slots: &mut impl Iterator<Item = Term>) -> Arithmetic<Application> {
+    let arity = domain.function(fluent.function()).parameters.len();
+    Arithmetic::Value(Application {
+        function: fluent.function(),
+        terms: slots.take(arity).collect(),
+        at: When::Now,
+    })
 }
 
 impl From<NumberGoal> for GoalFact {

@@ -1,9 +1,11 @@
 //! Conditional goals, which depend on sensed facts: `if expired(milk) then put(milk, bin) else put(milk, fridge)`.
 
-use super::GoalFact;
+use rustc_hash::FxHashSet;
+
+use super::{GoalFact, literal};
 use longstep_model::call::unquoted;
 use longstep_model::model::{
-    Atom, Condition, Domain, EntityId, Fact, PredicateId, Term, Voice, Wanted, When, World, written_fact,
+    Condition, Domain, EntityId, Fact, PredicateId, Term, Voice, Wanted, When, World, written_fact,
 };
 
 /// A goal that depends on a sensed fact.
@@ -97,10 +99,7 @@ pub(super) fn split_once<'t>(text: &'t str, word: &str) -> Option<(&'t str, &'t 
 impl Conditional {
     /// Writes the conditional goal; `name` gives the name of each entity.
     pub(super) fn written(&self, domain: &Domain, name: &dyn Fn(EntityId) -> String) -> String {
-        let side = |facts: &[GoalFact]| {
-            let facts: Vec<String> = facts.iter().map(|fact| fact.written(domain, name)).collect();
-            facts.join(&format!("{AND} "))
-        };
+        let side = |facts: &[GoalFact]| joined(facts, &format!("{AND} "), |fact| fact.written(domain, name));
         let condition = written_fact(domain, self.condition, name);
         match (&self.then[..], &self.otherwise[..]) {
             ([], otherwise) => format!("{IF}{NOT}{condition}{THEN} {}", side(otherwise)),
@@ -111,10 +110,7 @@ impl Conditional {
 
     /// Writes the conditional goal as a sentence.
     pub(super) fn sentence(&self, voice: Voice, world: &World) -> String {
-        let side = |facts: &[GoalFact]| {
-            let facts = facts.iter().map(|fact| fact.sentence_in(voice, world));
-            facts.collect::<Vec<_>>().join(" and ")
-        };
+        let side = |facts: &[GoalFact]| joined(facts, " and ", |fact| fact.sentence_in(voice, world));
         let condition = voice.fact(world, self.condition, true);
         match (&self.then[..], &self.otherwise[..]) {
             ([], otherwise) => format!("unless {condition}, {}", side(otherwise)),
@@ -125,35 +121,29 @@ impl Conditional {
 
     /// Maps the goal to another world by identifiers; none if an entity is missing there.
     pub(super) fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Self> {
-        let side = |facts: &[GoalFact]| -> Option<Vec<GoalFact>> {
-            facts.iter().map(|fact| fact.carried(domain, from, to)).collect()
-        };
-        let GoalFact::Plain(condition) = GoalFact::Plain(self.condition).carried(domain, from, to)? else {
+        let carried = |fact: &GoalFact| fact.carried(domain, from, to);
+        let GoalFact::Plain(condition) = carried(&GoalFact::Plain(self.condition))? else {
             return None;
         };
         Some(Self {
             condition,
-            then: side(&self.then)?,
-            otherwise: side(&self.otherwise)?,
+            then: self.then.iter().map(carried).collect::<Option<Vec<_>>>()?,
+            otherwise: self.otherwise.iter().map(carried).collect::<Option<Vec<_>>>()?,
         })
     }
 
     /// Returns the condition to achieve. Goals that are also in `others` may be achieved in either branch.
     pub(super) fn wanted(&self, domain: &Domain, others: &[GoalFact]) -> Wanted {
-        let alone = |facts: &[GoalFact], side: &[GoalFact]| -> Vec<GoalFact> {
-            let alone = |fact: &&GoalFact| !side.contains(fact) && !others.contains(fact);
-            facts.iter().filter(alone).cloned().collect()
-        };
-        let not_then = alone(&self.then, &self.otherwise);
-        let not_otherwise = alone(&self.otherwise, &self.then);
+        let not_then = without(&self.then, [&self.otherwise, others]);
+        let not_otherwise = without(&self.otherwise, [&self.then, others]);
         let joined = Joined::new(domain, self);
         let same = not_then.is_empty() && not_otherwise.is_empty() && self.then.len() == self.otherwise.len();
         let condition = if same {
             // Both branches are equal, so the outcome does not matter.
             Condition::And(joined.all(&self.then))
         } else {
-            let outcomes = domain.outcomes(self.condition);
-            let case = |outcome: Fact| {
+            let mut cases = Vec::new();
+            for outcome in domain.outcomes(self.condition) {
                 let (wanted, unwanted) = if outcome == self.condition {
                     (&self.then, &not_otherwise)
                 } else {
@@ -163,9 +153,9 @@ impl Conditional {
                 parts.extend(joined.all(wanted));
                 parts.extend(self.left_alone(domain, wanted, others, &joined.bindings));
                 parts.extend(unwanted.iter().map(|fact| joined.not_brought_about(fact)));
-                Condition::And(parts)
-            };
-            Condition::Or(outcomes.into_iter().map(case).collect())
+                cases.push(Condition::And(parts));
+            }
+            Condition::Or(cases)
         };
         Wanted {
             condition,
@@ -186,47 +176,54 @@ impl Conditional {
         let elsewhere = others.iter().filter(|other| **other != own).flat_map(GoalFact::parts);
         let mentioned: Vec<&GoalFact> = elsewhere.chain(wanted).collect();
         let looked_at: Vec<EntityId> = domain.arguments(self.condition).collect();
-        let is_free = |thing: &EntityId| {
-            if looked_at.contains(thing) {
-                // An inspected entity may be a place in another goal.
-                !mentioned.iter().any(|fact| fact.may_move(domain, *thing))
-            } else {
-                !mentioned.iter().any(|fact| fact.about(domain).contains(thing))
-            }
-        };
         // Goals of both branches may bind one entity several times.
         let slots = (0..bindings.len()).filter(|slot| bindings[..*slot].iter().all(|other| *other != bindings[*slot]));
-        let alone = slots.filter(|slot| is_free(&bindings[*slot]));
+        let alone = slots.filter(|slot| {
+            let thing = bindings[*slot];
+            if looked_at.contains(&thing) {
+                // An inspected entity may be a place in another goal.
+                !mentioned.iter().any(|fact| fact.may_move(domain, thing))
+            } else {
+                !mentioned.iter().any(|fact| fact.about(domain).contains(&thing))
+            }
+        });
         let stays = |slot: usize| move |predicate: &PredicateId| stays(domain, *predicate, slot, bindings.len());
         let places = places(domain);
         alone.flat_map(|slot| places.iter().map(stays(slot))).collect()
     }
 }
 
+/// Writes goals with a word between them.
+fn joined(facts: &[GoalFact], between: &str, write: impl Fn(&GoalFact) -> String) -> String {
+    facts.iter().map(write).collect::<Vec<_>>().join(between)
+}
+
+/// Returns the goals that are in none of the other lists.
+fn without(facts: &[GoalFact], others: [&[GoalFact]; 2]) -> Vec<GoalFact> {
+    let is_left = |fact: &&GoalFact| !others.iter().any(|others| others.contains(fact));
+    facts.iter().filter(is_left).cloned().collect()
+}
+
 /// Returns the binary predicates of state words that actions can achieve: the places of objects.
 fn places(domain: &Domain) -> Vec<PredicateId> {
-    let effects = || domain.actions.iter().flat_map(|action| &action.effects);
-    let brought_about =
-        |predicate: PredicateId| effects().any(|effect| effect.adds && effect.atom.predicate == predicate);
+    let effects = domain.actions.iter().flat_map(|action| &action.effects);
+    let added = effects.filter(|effect| effect.adds).map(|effect| effect.atom.predicate);
+    let added: FxHashSet<PredicateId> = added.collect();
     let mut places: Vec<PredicateId> = domain.states.iter().map(|word| word.atom.predicate).collect();
     places.sort_unstable();
     places.dedup();
-    places.retain(|predicate| domain.predicate(*predicate).parameters.len() == 2 && brought_about(*predicate));
+    places.retain(|predicate| domain.predicate(*predicate).parameters.len() == 2 && added.contains(predicate));
     places
 }
 
 /// Returns the condition that an entity is in every relation in which it was initially. `free` is an unused slot.
 fn stays(domain: &Domain, predicate: PredicateId, slot: usize, free: usize) -> Condition {
     // Further relations are permitted: only the initial ones must hold again.
-    let there = |holds: bool, at: When| Condition::Atom {
-        atom: Atom {
-            predicate,
-            terms: vec![Term::Variable(slot), Term::Variable(free)],
-        },
-        holds,
-        at,
-    };
-    let back = Condition::Or(vec![there(false, When::Initially), there(true, When::Now)]);
+    let terms = [slot, free].map(Term::Variable);
+    let back = Condition::Or(vec![
+        literal(predicate, &terms, false, When::Initially),
+        literal(predicate, &terms, true, When::Now),
+    ]);
     Condition::Forall(free, domain.predicate(predicate).parameters[1].kind, Box::new(back))
 }
 
@@ -251,16 +248,17 @@ impl<'a> Joined<'a> {
             bindings.extend(&wanted.bindings);
         }
         let all = bindings.len();
-        let shift = |((fact, wanted), (offset, own)): ((GoalFact, Wanted), (usize, usize))| {
+        let mut parts = Vec::with_capacity(wanted.len());
+        for ((fact, wanted), (offset, own)) in wanted.into_iter().zip(places) {
             // The bindings of all goals come first. The slots behind them are shared, since no quantifier of one goal
             // encloses another goal.
             let slot = |slot: usize| if slot < own { offset + slot } else { all + slot - own };
-            (fact, wanted.condition.with_slots(&slot))
-        };
+            parts.push((fact, wanted.condition.with_slots(&slot)));
+        }
         Self {
             domain,
             bindings,
-            parts: wanted.into_iter().zip(places).map(shift).collect(),
+            parts,
         }
     }
 
@@ -284,14 +282,7 @@ impl<'a> Joined<'a> {
         let terms: Vec<Term> = (0..self.domain.arguments(outcome).count())
             .map(Term::Variable)
             .collect();
-        let atom = |predicate| Condition::Atom {
-            atom: Atom {
-                predicate,
-                terms: terms.clone(),
-            },
-            holds: true,
-            at: When::Now,
-        };
+        let atom = |predicate: PredicateId| literal(predicate, &terms, true, When::Now);
         let past = self.domain.words(outcome.predicate()).past;
         match past {
             Some(past) => Condition::Or(vec![atom(outcome.predicate()), atom(past)]),

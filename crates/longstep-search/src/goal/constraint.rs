@@ -1,10 +1,10 @@
 //! Constraints in a goal: what must never happen, or always hold, while the plan runs.
 
-use super::{GoalError, GoalFact, fact, names};
+use super::{GoalError, GoalFact, fact, literal, names};
 use longstep_model::call::Call;
 use longstep_model::model::{
     Action, ActionId, Application, Arithmetic, Atom, Comparison, Condition, Domain, EntityId, FunctionId, Moment,
-    NumberTest, PredicateId, Prohibition, Slot, StepPattern, Term, TypeId, Voice, Wanted, When, World,
+    NumberTest, Parameter, PredicateId, Prohibition, Slot, StepPattern, Term, TypeId, Voice, Wanted, When, World,
 };
 use longstep_verify::verify::{can_be_brought_about, possibly};
 
@@ -303,15 +303,12 @@ fn unchanged(world: &World, entity: EntityId) -> Condition {
     }
     let facts = atoms.into_iter().map(|atom| {
         let parameters = &domain.predicate(atom.predicate).parameters;
-        let kind = |slot: Slot| {
-            let place = atom.terms.iter().position(|term| *term == Term::Variable(slot));
-            place.map_or(TypeId::OBJECT, |place| parameters[place].kind)
-        };
         let slots = atom.terms.iter().map(|term| match *term {
             Term::Variable(slot) => slot,
             Term::Constant(_) => 0,
         });
-        let others: Vec<TypeId> = (1..=slots.max().unwrap_or(0)).map(kind).collect();
+        let others = (1..=slots.max().unwrap_or(0)).map(|slot| kind_of_slot(atom, parameters, slot));
+        let others: Vec<TypeId> = others.collect();
         let terms = atom.terms.iter().map(|term| of_entity(*term, entity)).collect();
         everywhere(&others, fact_as_before(atom.predicate, terms))
     });
@@ -324,6 +321,12 @@ fn unchanged(world: &World, entity: EntityId) -> Condition {
         is_own.then(|| everywhere(&others, number_as_before(FunctionId::new(index), terms.collect())))
     });
     Condition::And(facts.chain(numbers).collect())
+}
+
+/// Returns the type of the first place of an atom that has the variable.
+fn kind_of_slot(atom: &Atom, parameters: &[Parameter], slot: Slot) -> TypeId {
+    let place = atom.terms.iter().position(|term| *term == Term::Variable(slot));
+    place.map_or(TypeId::OBJECT, |place| parameters[place].kind)
 }
 
 /// Returns a term with the entity in place of the first slot; later slots move down.
@@ -345,14 +348,7 @@ fn everywhere(kinds: &[TypeId], condition: Condition) -> Condition {
 
 /// Returns the condition that an atom has the value of the start.
 fn fact_as_before(predicate: PredicateId, terms: Vec<Term>) -> Condition {
-    let atom = |holds: bool, at: When| Condition::Atom {
-        atom: Atom {
-            predicate,
-            terms: terms.clone(),
-        },
-        holds,
-        at,
-    };
+    let atom = |holds: bool, at: When| literal(predicate, &terms, holds, at);
     Condition::And(vec![
         Condition::Or(vec![atom(false, When::Now), atom(true, When::Start)]),
         Condition::Or(vec![atom(true, When::Now), atom(false, When::Start)]),
@@ -361,13 +357,7 @@ fn fact_as_before(predicate: PredicateId, terms: Vec<Term>) -> Condition {
 
 /// Returns the condition that a number is the one of the start, or unknown as it was.
 fn number_as_before(function: FunctionId, terms: Vec<Term>) -> Condition {
-    let number = |at: When| {
-        Arithmetic::Value(Application {
-            function,
-            terms: terms.clone(),
-            at,
-        })
-    };
+    let number = |at: When| number_at(function, &terms, at);
     let is = Condition::Number;
     // An unknown number satisfies no comparison, so "unknown as before" is an alternative of its own.
     let unknown = [When::Now, When::Start].map(|at| is(NumberTest::Known(number(at), false)));
@@ -379,4 +369,9 @@ fn number_as_before(function: FunctionId, terms: Vec<Term>) -> Condition {
         )),
         Condition::And(unknown.to_vec()),
     ])
+}
+
+fn number_at(function: FunctionId, terms: &[Term], at: When) -> Arithmetic<Application> {
+    let terms = terms.to_vec();
+    Arithmetic::Value(Application { function, terms, at })
 }

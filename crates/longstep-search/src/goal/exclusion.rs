@@ -46,12 +46,8 @@ fn conjunctions(formula: &Formula) -> Option<Vec<Vec<Literal>>> {
             .iter()
             .try_fold(vec![Vec::new()], |all: Vec<Vec<Literal>>, part| {
                 let part = conjunctions(part)?;
-                let with = |literals: &Vec<Literal>| {
-                    part.iter()
-                        .map(|more| [&literals[..], more].concat())
-                        .collect::<Vec<_>>()
-                };
-                let all: Vec<Vec<Literal>> = all.iter().flat_map(with).collect();
+                let pairs = all.iter().flat_map(|own| part.iter().map(move |more| (own, more)));
+                let all: Vec<Vec<Literal>> = pairs.map(|(own, more)| [&own[..], more].concat()).collect();
                 (all.len() <= ALTERNATIVES).then_some(all)
             })?,
     };
@@ -112,19 +108,20 @@ impl Literals {
         formula.holds(&now) && self.deny(&formula, &facts)
     }
 
-    /// Returns true if a formula is false in every state in which the literals hold.
-    fn deny(&self, formula: &Formula, meanings: &[Meaning]) -> bool {
-        let is_possible = |literal: Literal| match &meanings[literal.fact as usize] {
-            Meaning::Fact(fact) => !self.facts.contains(&(*fact, !literal.holds)),
+    /// Returns true if neither the facts nor the tests contradict a literal with this meaning.
+    fn permit(&self, meaning: &Meaning, holds: bool) -> bool {
+        match meaning {
+            Meaning::Fact(fact) => !self.facts.contains(&(*fact, !holds)),
             Meaning::Test(test) => {
-                let test = if literal.holds {
-                    test.clone()
-                } else {
-                    test.clone().negated()
-                };
+                let test = if holds { test.clone() } else { test.clone().negated() };
                 !are_contradictory(self.tests.iter().chain([&test]))
             }
-        };
+        }
+    }
+
+    /// Returns true if a formula is false in every state in which the literals hold.
+    fn deny(&self, formula: &Formula, meanings: &[Meaning]) -> bool {
+        let is_possible = |literal: Literal| self.permit(&meanings[literal.fact as usize], literal.holds);
         // Without budget nothing is excluded.
         effort::spend(formula.size() * (1 + self.facts.len() / 4 + self.tests.len())) && !formula.holds(&is_possible)
     }

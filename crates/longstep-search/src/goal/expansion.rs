@@ -118,12 +118,14 @@ fn first(
             Err(error) => errors.push(error),
         }
     }
-    let is_unknown = |error: &GoalError| {
-        use GoalError::{NotAValue, UnknownName, UnknownWord};
-        matches!(error, UnknownName { .. } | NotAValue { .. } | UnknownWord { .. })
-    };
     let known = errors.iter().position(|error| !is_unknown(error));
     Err(errors.swap_remove(known.unwrap_or(0)))
+}
+
+/// Returns true for an error about a name that the world does not have.
+fn is_unknown(error: &GoalError) -> bool {
+    use GoalError::{NotAValue, UnknownName, UnknownWord};
+    matches!(error, UnknownName { .. } | NotAValue { .. } | UnknownWord { .. })
 }
 
 /// A piece of a text with groups.
@@ -230,22 +232,24 @@ impl<'t> Places<'t> {
 
     /// Returns the text as it was written.
     fn written(&self) -> String {
-        let piece = |piece: &TextPiece<'t>| match piece {
-            TextPiece::Text(text) | TextPiece::Group(text) => *text,
-        };
-        self.pieces.iter().map(piece).collect()
+        let mut written = String::new();
+        for TextPiece::Text(text) | TextPiece::Group(text) in &self.pieces {
+            written.push_str(text);
+        }
+        written
     }
 
     /// Returns the text with the identifiers of members in the places of the groups.
     fn text_of(&self, world: &World, members: &[EntityId]) -> String {
-        let mut members = members.iter();
-        let piece = |piece: &TextPiece<'t>| match piece {
-            TextPiece::Text(text) => *text,
-            TextPiece::Group(_) => members
-                .next()
-                .map_or("", |member| world.entity(*member).identifier.as_str()),
-        };
-        self.pieces.iter().map(piece).collect()
+        let mut identifiers = members.iter().map(|member| world.entity(*member).identifier.as_str());
+        let mut all = String::new();
+        for piece in &self.pieces {
+            all.push_str(match piece {
+                TextPiece::Text(text) => text,
+                TextPiece::Group(_) => identifiers.next().unwrap_or_default(),
+            });
+        }
+        all
     }
 
     /// Returns all combinations of members, the last group fastest.
@@ -257,11 +261,12 @@ impl<'t> Places<'t> {
         }
         let mut all = vec![Vec::new()];
         for group in &self.groups {
-            let longer = |chosen: &Vec<EntityId>| {
-                let with = |member: &EntityId| chosen.iter().copied().chain([*member]).collect();
-                group.members.iter().map(with).collect::<Vec<Vec<EntityId>>>()
-            };
-            all = all.iter().flat_map(longer).collect();
+            let pairs = all
+                .iter()
+                .flat_map(|own| group.members.iter().map(move |member| (own, *member)));
+            all = pairs
+                .map(|(own, member): (&Vec<EntityId>, EntityId)| [&own[..], &[member]].concat())
+                .collect();
         }
         Ok(all)
     }
@@ -373,14 +378,9 @@ impl<'t> Places<'t> {
             if !is_required || group.is_of_type(domain) {
                 continue;
             }
-            let fits = |member: &EntityId| {
-                let elsewhere = self.pieces.iter().any(|piece| match piece {
-                    TextPiece::Text(text) => names(world, text, *member),
-                    TextPiece::Group(_) => false,
-                });
-                elsewhere || leaves.iter().any(|(members, _)| members[place] == *member)
-            };
-            if let Some(left_out) = group.members.iter().find(|member| !fits(member)) {
+            let has_goal = |member: EntityId| leaves.iter().any(|(members, _)| members[place] == member);
+            let is_left_out = |member: &&EntityId| !has_goal(**member) && !self.names_outside_groups(world, **member);
+            if let Some(left_out) = group.members.iter().find(is_left_out) {
                 return Err(GoalError::DoesNotFit {
                     part: self.written(),
                     name: world.entity(*left_out).name.clone(),
@@ -390,19 +390,23 @@ impl<'t> Places<'t> {
         Ok(())
     }
 
+    /// Returns true if the text around the groups names the entity.
+    fn names_outside_groups(&self, world: &World, entity: EntityId) -> bool {
+        self.pieces.iter().any(|piece| match piece {
+            TextPiece::Text(text) => names(world, text, entity),
+            TextPiece::Group(_) => false,
+        })
+    }
+
     /// Returns a goal for each combination of members of the groups with `all`: a choice over the other groups.
     fn nested(&self, leaves: Leaves<GoalFact>) -> Result<Vec<GoalFact>, GoalError> {
         let is_all = |group: &Group| group.quantifier == Quantifier::All;
         let outer: Vec<bool> = self.groups.iter().map(is_all).collect();
-        let part = |members: &[EntityId], side: bool| -> Vec<EntityId> {
-            let own = members.iter().zip(&outer).filter(|(_, outer)| **outer == side);
-            own.map(|(member, _)| *member).collect()
-        };
         // The order of the members stays, so that equal texts give equal goals.
         let mut cases: indexmap::IndexMap<Vec<EntityId>, Leaves<GoalFact>> = indexmap::IndexMap::new();
         for (members, fact) in leaves {
-            let own = cases.entry(part(&members, true)).or_default();
-            own.push((part(&members, false), fact));
+            let (outer, inner) = divided(&members, &outer);
+            cases.entry(outer).or_default().push((inner, fact));
         }
         if cases.len() > GOALS {
             return Err(self.too_many(GOALS));
@@ -450,13 +454,13 @@ impl<'t> Places<'t> {
 
     /// Expands a constraint. A prohibition concerns each member of `all` and of `any`.
     fn constraints(self, world: &World, text: &str) -> Result<Expansion, GoalError> {
-        let each = |group: &Group| match group.quantifier {
+        let concerns_each = self.groups.iter().all(|group| match group.quantifier {
             Quantifier::All => true,
             // After `never`, `any` and `all` mean the same: no member.
             Quantifier::Any => !text.starts_with(ALWAYS),
             Quantifier::AtLeast(_) | Quantifier::Exactly(_) | Quantifier::AllBut(_) => false,
-        };
-        let constraints = if self.groups.iter().all(each) {
+        });
+        let constraints = if concerns_each {
             self.constraint_leaves(world)?
         } else {
             let (prefix, holds) = match text.strip_prefix(ALWAYS) {
@@ -487,24 +491,14 @@ impl<'t> Places<'t> {
     fn constraint_leaves(&self, world: &World) -> Result<Vec<Constraint>, GoalError> {
         let domain = world.domain();
         let typed = self.is_of_type(world);
-        let read = |text: &str| match Constraint::read(world, text) {
-            // A rule that is void for one member may bind others. It is an error only if it binds none.
-            Err(error @ GoalError::NeverHolds { .. }) if typed || text.starts_with(NEVER) => Ok(Err(error)),
-            Ok(Some(constraint)) => Ok(Ok(constraint)),
-            Ok(None) => Err(GoalError::NotARule { part: text.to_owned() }),
-            Err(error) => Err(error),
-        };
-        let about =
-            |own: &Result<Constraint, GoalError>| own.as_ref().map_or_else(|_| Vec::new(), |own| own.about(domain));
-        let fits = |own: &Result<Constraint, GoalError>| match own {
-            Ok(Constraint::State { fact, .. }) => self.makes_sense(world, fact, false),
-            Ok(Constraint::Until { constraint, .. }) => match &**constraint {
-                Constraint::State { fact, .. } => self.makes_sense(world, fact, false),
-                _ => true,
-            },
-            _ => true,
-        };
-        let leaves = self.leaves(world, &read, &about, &fits)?;
+        let about = |own: &Constraint| own.about(domain);
+        let fits = |own: &Constraint| self.constraint_makes_sense(world, own);
+        let leaves = self.leaves(
+            world,
+            &|text| constraint_of_leaf(world, text, typed),
+            &|own: &Result<Constraint, GoalError>| own.as_ref().map_or_else(|_| Vec::new(), about),
+            &|own: &Result<Constraint, GoalError>| own.as_ref().is_ok_and(fits) || own.is_err(),
+        )?;
         let (found, impossible): (Vec<_>, Vec<_>) = leaves.into_iter().map(|(_, own)| own).partition(Result::is_ok);
         let mut constraints: Vec<Constraint> = Vec::new();
         for own in found.into_iter().flatten() {
@@ -518,11 +512,43 @@ impl<'t> Places<'t> {
         }
     }
 
+    fn constraint_makes_sense(&self, world: &World, constraint: &Constraint) -> bool {
+        let constraint = match constraint {
+            Constraint::Until { constraint, .. } => constraint,
+            other => other,
+        };
+        match constraint {
+            Constraint::State { fact, .. } => self.makes_sense(world, fact, false),
+            _ => true,
+        }
+    }
+
     /// Returns true if the text is a prohibition of steps.
     fn forbids_steps(&self, world: &World) -> Result<bool, GoalError> {
         let mut constraints = self.combinations()?.into_iter();
         let read = constraints.find_map(|members| Constraint::read(world, &self.text_of(world, &members)).ok()?);
         Ok(matches!(read, Some(Constraint::Step { .. })))
+    }
+}
+
+/// Divides members into those of the outer groups and the others.
+fn divided(members: &[EntityId], outer: &[bool]) -> (Vec<EntityId>, Vec<EntityId>) {
+    let mut divided = (Vec::new(), Vec::new());
+    for (member, is_outer) in members.iter().zip(outer) {
+        let side = if *is_outer { &mut divided.0 } else { &mut divided.1 };
+        side.push(*member);
+    }
+    divided
+}
+
+/// Reads the constraint for one combination of members. The inner error is that of a rule which binds none of them, though it may
+/// bind others.
+fn constraint_of_leaf(world: &World, text: &str, typed: bool) -> Result<Result<Constraint, GoalError>, GoalError> {
+    match Constraint::read(world, text) {
+        Err(error @ GoalError::NeverHolds { .. }) if typed || text.starts_with(NEVER) => Ok(Err(error)),
+        Ok(Some(constraint)) => Ok(Ok(constraint)),
+        Ok(None) => Err(GoalError::NotARule { part: text.to_owned() }),
+        Err(error) => Err(error),
     }
 }
 

@@ -24,11 +24,8 @@ pub(super) fn state(world: &World, part: &str) -> Result<Option<Fact>, GoalError
 /// Reads a fact of a predicate by its name in PDDL, or with `_` for its `-`; none if there is no such predicate.
 fn bare(world: &World, part: &str, call: &Call) -> Result<Option<Fact>, GoalError> {
     let domain = world.domain();
-    let is = |predicate: &Predicate| {
-        let is_named = predicate.name == call.name || predicate.name.replace('-', "_") == call.name;
-        is_named && predicate.parameters.len() == call.arguments.len()
-    };
-    let Some(index) = domain.predicates.iter().position(is) else {
+    let mut predicates = domain.predicates.iter();
+    let Some(index) = predicates.position(|predicate| is_called(predicate, call)) else {
         return Ok(None);
     };
     let id = PredicateId::new(index);
@@ -43,6 +40,11 @@ fn bare(world: &World, part: &str, call: &Call) -> Result<Option<Fact>, GoalErro
         .map(|parameter| parameter.kind);
     let arguments = entities(world, part, &names, &kinds.collect::<Vec<_>>())?;
     Ok(Some(Fact::new(id, arguments)))
+}
+
+fn is_called(predicate: &Predicate, call: &Call) -> bool {
+    let is_named = predicate.name == call.name || predicate.name.replace('-', "_") == call.name;
+    is_named && predicate.parameters.len() == call.arguments.len()
 }
 
 /// Reads a goal word, a comparison or a state word about named entities.

@@ -190,13 +190,9 @@ impl Group {
                 near: near.map(str::to_owned),
             });
         }
-        let all_of = |conditions: &str| -> Result<Vec<Selector>, GoalError> {
-            let all = conditions.split('&');
-            all.map(|condition| Selector::read(world, text, condition.trim()))
-                .collect()
-        };
         let conditions = conditions.map_or(Ok(Vec::new()), |any| {
-            any.split(OR).map(all_of).collect::<Result<Vec<_>, GoalError>>()
+            let lists = any.split(OR).map(|all| Selector::read_all(world, text, all));
+            lists.collect::<Result<Vec<_>, GoalError>>()
         })?;
         let exceptions = exceptions.map_or(Ok(Vec::new()), |names| excepted(world, text, names))?;
         let mut members = Vec::new();
@@ -258,11 +254,8 @@ impl Group {
             Noun::Named(entities) => return self.listed(entities, name),
         };
         let mut text = format!("{} {kind}", self.quantifier.written());
-        let all_of = |all: &Vec<Selector>| {
-            let all: Vec<String> = all.iter().map(|own| own.written(name)).collect();
-            all.join(" & ")
-        };
-        let conditions: Vec<String> = self.conditions.iter().map(all_of).collect();
+        let lists = self.conditions.iter();
+        let conditions: Vec<String> = lists.map(|all| joined(all, " & ", |own| own.written(name))).collect();
         if !conditions.is_empty() {
             text = format!("{text}{WHERE}{}", conditions.join(OR));
         }
@@ -316,14 +309,11 @@ impl Group {
             Quantifier::Any => format!("any {noun}"),
             other => format!("{} {noun}", other.written()),
         };
-        let sentences = |all: &[&Selector]| {
-            let all: Vec<String> = all.iter().map(|own| own.sentence(voice, world)).collect();
-            all.join(", ")
-        };
+        let sentence = |own: &Selector| own.sentence(voice, world);
         let after = match &self.conditions[..] {
-            [] | [_] => sentences(&after),
+            [] | [_] => joined(after, ", ", sentence),
             several => {
-                let lists = several.iter().map(|all| sentences(&all.iter().collect::<Vec<_>>()));
+                let lists = several.iter().map(|all| joined(all, ", ", sentence));
                 lists.collect::<Vec<_>>().join(OR)
             }
         };
@@ -351,16 +341,8 @@ impl Group {
     /// Maps the group to another world by identifiers; none if an entity is missing there.
     pub(super) fn carried(&self, from: &World, to: &World) -> Option<Self> {
         let there = |entity: &EntityId| to.find(&from.entity(*entity).identifier);
-        let selector = |own: &Selector| {
-            Some(Selector {
-                arguments: own.arguments.iter().map(there).collect::<Option<Vec<_>>>()?,
-                ..own.clone()
-            })
-        };
-        let conditions = self
-            .conditions
-            .iter()
-            .map(|all| all.iter().map(selector).collect::<Option<Vec<_>>>());
+        let lists = self.conditions.iter();
+        let conditions = lists.map(|all| all.iter().map(|own| own.carried(from, to)).collect::<Option<Vec<_>>>());
         Some(Self {
             quantifier: self.quantifier,
             members: self.members.iter().map(there).collect::<Option<Vec<_>>>()?,
@@ -441,16 +423,19 @@ fn of_kind(world: &World, kind: &str) -> Vec<EntityId> {
         None => {}
     }
     let wanted = singular_words(kind);
-    let is_named = |name: &String| {
-        let own = singular_words(name);
-        let number = own.iter().rev().take_while(|word| is_number(word)).count();
-        // A number at the end is a label and no part of the kind: `<mug_2>` is a mug.
-        own == wanted || own[..own.len() - number].ends_with(&wanted)
-    };
+    let is_named = |name: &String| is_of_name(name, &wanted);
     let entities = world
         .entities()
         .filter(|(_, entity)| !wanted.is_empty() && std::iter::once(&entity.name).chain(&entity.names).any(is_named));
     entities.map(|(id, _)| id).collect()
+}
+
+/// Returns true if a name ends with the words of a kind.
+fn is_of_name(name: &str, kind: &[String]) -> bool {
+    let own = singular_words(name);
+    let number = own.iter().rev().take_while(|word| is_number(word)).count();
+    // A number at the end is a label and no part of the kind: `<mug_2>` is a mug.
+    own == kind || own[..own.len() - number].ends_with(kind)
 }
 
 fn is_number(word: &str) -> bool {
@@ -483,33 +468,61 @@ fn excepted(world: &World, group: &str, names: &str) -> Result<Vec<EntityId>, Go
 
 /// Returns why a kind has no member that meets all conditions, for the first entities of the kind.
 fn reasons(world: &World, of_kind: &[EntityId], conditions: &[Vec<Selector>], exceptions: &[EntityId]) -> String {
-    let reason = |entity: &EntityId| {
+    let mut reasons = Vec::new();
+    for entity in of_kind.iter().take(SHOWN) {
         let fails = |own: &&Selector| !own.is_met(world, "", *entity).unwrap_or(false);
         let why = match conditions.iter().find_map(|all| all.iter().find(fails)) {
             Some(own) => format!("fails `{}`", own.written(&|other| world.entity(other).name.clone())),
             None if exceptions.contains(entity) => "is excepted".to_owned(),
             None => "does not fit".to_owned(),
         };
-        format!("{} {why}", world.with_article(*entity))
-    };
-    let mut reasons: Vec<String> = of_kind.iter().take(SHOWN).map(reason).collect();
+        reasons.push(format!("{} {why}", world.with_article(*entity)));
+    }
     if of_kind.len() > SHOWN {
         reasons.push(format!("and {} more", of_kind.len() - SHOWN));
     }
     reasons.join(", ")
 }
 
+fn unknown_state(group: &str, text: &str) -> GoalError {
+    GoalError::UnknownState {
+        group: group.to_owned(),
+        state: text.to_owned(),
+    }
+}
+
+/// Writes selectors with a word between them.
+fn joined<'s>(
+    all: impl IntoIterator<Item = &'s Selector>,
+    between: &str,
+    write: impl Fn(&Selector) -> String,
+) -> String {
+    all.into_iter().map(write).collect::<Vec<_>>().join(between)
+}
+
 impl Selector {
+    /// Reads selectors that an entity has to meet together.
+    fn read_all(world: &World, group: &str, text: &str) -> Result<Vec<Self>, GoalError> {
+        let all = text.split('&');
+        all.map(|condition| Self::read(world, group, condition.trim()))
+            .collect()
+    }
+
+    /// Maps the selector to another world by identifiers; none if an entity is missing there.
+    fn carried(&self, from: &World, to: &World) -> Option<Self> {
+        let there = |entity: &EntityId| to.find(&from.entity(*entity).identifier);
+        Some(Self {
+            arguments: self.arguments.iter().map(there).collect::<Option<Vec<_>>>()?,
+            ..self.clone()
+        })
+    }
+
     fn read(world: &World, group: &str, text: &str) -> Result<Self, GoalError> {
         let (holds, text) = match text.strip_prefix(NOT) {
             Some(text) => (false, text.trim()),
             None => (true, text),
         };
-        let unknown = || GoalError::UnknownState {
-            group: group.to_owned(),
-            state: text.to_owned(),
-        };
-        let call = Call::parse(text).map_err(|_| unknown())?;
+        let call = Call::parse(text).map_err(|_| unknown_state(group, text))?;
         let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
         let arguments = names::entities(world, group, &names, &vec![TypeId::OBJECT; names.len()])?;
         let own = Self {
@@ -518,7 +531,7 @@ impl Selector {
             holds,
         };
         if own.literals(world.domain()).is_empty() {
-            Err(unknown())
+            Err(unknown_state(group, text))
         } else {
             Ok(own)
         }
@@ -587,20 +600,20 @@ impl Selector {
     /// Writes the condition as a sentence about "it".
     fn sentence(&self, voice: Voice, world: &World) -> String {
         let domain = world.domain();
-        let says = |literal: Literal| {
+        let mut sentences = Vec::new();
+        for literal in self.literals(domain) {
             let words = domain.words(literal.atom.predicate);
             let template = if literal.holds == self.holds {
                 &words.says
             } else {
                 &words.denies
             };
-            template.fill(|place| match literal.atom.terms.get(place) {
+            sentences.push(template.fill(|place| match literal.atom.terms.get(place) {
                 Some(Term::Variable(0)) | None => "it".to_owned(),
                 Some(Term::Variable(slot)) => voice.name(world, self.arguments[slot - 1]),
                 Some(Term::Constant(entity)) => voice.name(world, *entity),
-            })
-        };
-        let sentences: Vec<String> = self.literals(domain).into_iter().map(says).collect();
+            }));
+        }
         sentences.join(if self.holds { " and " } else { " or " })
     }
 }

@@ -15,14 +15,7 @@ const GROUP: usize = 5;
 
 /// Returns true if the actions allow only one of two facts at a time.
 pub(super) fn are_exclusive(world: &World, fact: Fact, other: Fact) -> bool {
-    let members = |fact: Fact| {
-        let arity = world.domain().arguments(fact).count();
-        let member = move |counted| Member {
-            predicate: fact.predicate(),
-            counted,
-        };
-        (0..arity).map(Some).chain([None]).map(member)
-    };
+    let members = |fact: Fact| Member::all_of(fact.predicate(), world.domain().arguments(fact).count());
     let mut pairs = members(fact).flat_map(|first| members(other).map(move |second| (first, second)));
     fact != other && pairs.any(|(first, second)| are_of_one_group(world, (first, fact), (second, other)))
 }
@@ -51,6 +44,12 @@ struct Member {
 }
 
 impl Member {
+    /// Returns the predicate with each argument as the counted one, and with none.
+    fn all_of(predicate: PredicateId, arity: usize) -> impl Iterator<Item = Self> {
+        let counted = (0..arity).map(Some).chain([None]);
+        counted.map(move |counted| Self { predicate, counted })
+    }
+
     /// Returns the values without the counted one.
     fn key<T>(self, values: impl Iterator<Item = T>) -> Vec<T> {
         let others = values.enumerate().filter(|(place, _)| Some(*place) != self.counted);
@@ -74,13 +73,16 @@ fn at_most_one(world: &World, group: &[Member], key: &[EntityId]) -> bool {
         facts.filter(|fact| member.key_of(domain, **fact) == key)
     });
     let facts: Vec<&Fact> = facts.collect();
-    let is_typed = |fact: &&Fact| {
-        let parameters = &domain.predicate(fact.predicate()).parameters;
-        let mut arguments = domain.arguments(**fact).zip(parameters);
-        arguments.all(|(argument, parameter)| world.is_of_kind(argument, parameter.kind))
-    };
-    // The actions are analyzed by the declared types, which facts of a foreign problem may lack.
-    facts.len() <= 1 && facts.iter().all(is_typed)
+    facts.len() <= 1 && facts.iter().all(|fact| is_typed(world, **fact))
+}
+
+/// Returns true if the arguments of a fact have the declared types. The actions are analyzed by these types, which facts of a
+/// foreign problem may lack.
+fn is_typed(world: &World, fact: Fact) -> bool {
+    let domain = world.domain();
+    let parameters = &domain.predicate(fact.predicate()).parameters;
+    let mut arguments = domain.arguments(fact).zip(parameters);
+    arguments.all(|(argument, parameter)| world.is_of_kind(argument, parameter.kind))
 }
 
 /// Returns a group for which no step adds a fact while another one with the same key holds; it begins with `group`. None if
@@ -153,20 +155,27 @@ impl<'a> Step<'a> {
 
     /// Returns true if sensing reveals no fact of the group, or one of them where none was known.
     fn senses_one(&self) -> bool {
-        let revealed = |member: &Member, key: Option<&Vec<Term>>| {
-            let mut atoms = self.action.senses.iter();
-            atoms.any(|atom| atom.predicate == member.predicate && key.is_none_or(|key| member.key_terms(atom) == *key))
-        };
-        let Some(first) = self.group.iter().find(|member| revealed(member, None)) else {
+        let first = self
+            .group
+            .iter()
+            .find_map(|member| Some((member, self.sensed(member).next()?)));
+        let Some((first, atom)) = first else {
             return true;
         };
-        let mut atoms = self.action.senses.iter();
-        let key = atoms
-            .find(|atom| atom.predicate == first.predicate)
-            .map(|atom| first.key_terms(atom));
+        let key = first.key_terms(atom);
+        let reveals = |member: &Member| self.sensed(member).any(|atom| member.key_terms(atom) == key);
         self.group
             .iter()
-            .all(|member| member.counted.is_none() && revealed(member, key.as_ref()))
+            .all(|member| member.counted.is_none() && reveals(member))
+    }
+
+    /// Returns the outcomes of sensing with the predicate of a member.
+    fn sensed(&self, member: &Member) -> impl Iterator<Item = &'a Atom> + use<'a> {
+        let predicate = member.predicate;
+        self.action
+            .senses
+            .iter()
+            .filter(move |atom| atom.predicate == predicate)
     }
 
     /// Returns the conjuncts that hold before the step where the effect fires.
@@ -188,9 +197,9 @@ impl<'a> Step<'a> {
                 holds: true,
                 at: When::Now,
             } => {
-                let is_other =
-                    |member: &Member| member.predicate == atom.predicate && member.key_terms(atom) == own.key;
-                self.group.iter().any(is_other) && self.deletes(own, &atom.terms, atom.predicate)
+                let mut members = self.group.iter().filter(|member| member.predicate == atom.predicate);
+                members.any(|member| member.key_terms(atom) == own.key)
+                    && self.deletes(own, &atom.terms, atom.predicate)
             }
             _ => false,
         })
@@ -275,26 +284,21 @@ impl<'a> Step<'a> {
                 return false;
             }
         }
-        let term = |term: Term| match term {
-            Term::Variable(slot) if slot >= parameters => bound.get(slot - parameters).copied().flatten(),
-            term => Some(term),
-        };
-        let there = |atom: &Atom| -> Option<Atom> {
-            Some(Atom {
-                predicate: atom.predicate,
-                terms: atom.terms.iter().map(|own| term(*own)).collect::<Option<Vec<_>>>()?,
-            })
-        };
+        let term = |term: Term| self.bound_term(term, &bound);
         deletion.condition.conjuncts().all(|part| match part {
             Condition::Atom {
                 atom,
                 holds,
                 at: When::Now,
-            } => there(atom).is_some_and(|atom| {
-                // It deletes what holds.
-                let is_itself = *holds && atom.predicate == deletion.atom.predicate && atom.terms == terms;
-                is_itself || self.given(own.effect).any(|given| is_literal(given, &atom, *holds))
-            }),
+            } => {
+                let bound: Option<Vec<Term>> = atom.terms.iter().map(|own| term(*own)).collect();
+                let atom = bound.map(|terms| Atom { terms, ..*atom });
+                atom.is_some_and(|atom| {
+                    // It deletes what holds.
+                    let is_itself = *holds && atom.predicate == deletion.atom.predicate && atom.terms == terms;
+                    is_itself || self.given(own.effect).any(|given| is_literal(given, &atom, *holds))
+                })
+            }
             // It deletes all but the added fact.
             Condition::Equal {
                 left,
@@ -311,6 +315,15 @@ impl<'a> Step<'a> {
                 .given(own.effect)
                 .any(|given| given == other && deletion.forall.is_empty()),
         })
+    }
+
+    /// Returns a term with a quantified variable replaced by what it is bound to; none for one that is not bound.
+    fn bound_term(&self, term: Term, bound: &[Option<Term>]) -> Option<Term> {
+        let parameters = self.action.parameters.len();
+        match term {
+            Term::Variable(slot) if slot >= parameters => bound.get(slot - parameters).copied().flatten(),
+            term => Some(term),
+        }
     }
 
     /// Returns the type of a term in a place of a predicate.
@@ -331,18 +344,31 @@ impl<'a> Step<'a> {
         if one.effect.atom == other.effect.atom {
             return false;
         }
-        let types = &self.domain.types;
-        let parameter = |term: &Term| match term {
-            Term::Variable(slot) => self.action.parameters.get(*slot).map(|own| own.kind),
-            Term::Constant(_) => None,
-        };
-        let are_disjoint = |left: &Term, right: &Term| {
-            let kinds = parameter(left).zip(parameter(right));
-            kinds.is_some_and(|(left, right)| !types.is_a(left, right) && !types.is_a(right, left))
-        };
-        let are_different = |(left, right): (&Term, &Term)| match (left, right) {
+        let mut keys = one.key.iter().zip(&other.key);
+        if keys.any(|(left, right)| self.are_different(left, right)) {
+            return false;
+        }
+        // Two effects with the same key, one of which fires where a fact holds and the other one where it does not.
+        let mut conditions = one.effect.condition.conjuncts();
+        let exclude_each_other = conditions.any(|part| match part {
+            Condition::Atom {
+                atom,
+                holds,
+                at: When::Now,
+            } => {
+                let mut others = other.effect.condition.conjuncts();
+                others.any(|part| is_literal(part, atom, !holds)) && self.is_fixed(atom, &one.key)
+            }
+            _ => false,
+        });
+        one.key != other.key || !exclude_each_other
+    }
+
+    /// Returns true if two terms of the action never are the same entity.
+    fn are_different(&self, left: &Term, right: &Term) -> bool {
+        match (left, right) {
             (Term::Constant(left), Term::Constant(right)) => left != right,
-            _ if are_disjoint(left, right) => true,
+            _ if self.are_disjoint(left, right) => true,
             _ => self.action.precondition.conjuncts().any(|part| match part {
                 Condition::Equal {
                     left: own,
@@ -351,45 +377,38 @@ impl<'a> Step<'a> {
                 } => (own, second) == (left, right) || (own, second) == (right, left),
                 _ => false,
             }),
-        };
-        if one.key.iter().zip(&other.key).any(are_different) {
-            return false;
         }
-        // Two effects with the same key, one of which fires where a fact holds and the other one where it does not.
-        let denies = |part: &Condition| match part {
-            Condition::Atom {
-                atom,
-                holds,
-                at: When::Now,
-            } => other
-                .effect
-                .condition
-                .conjuncts()
-                .any(|part| is_literal(part, atom, !holds) && self.is_fixed(atom, &one.key)),
-            _ => false,
+    }
+
+    /// Returns true if two terms are parameters whose types have no entity in common.
+    fn are_disjoint(&self, left: &Term, right: &Term) -> bool {
+        let types = &self.domain.types;
+        let (Some(left), Some(right)) = (self.parameter_type(left), self.parameter_type(right)) else {
+            return false;
         };
-        one.key != other.key || !one.effect.condition.conjuncts().any(denies)
+        !types.is_a(left, right) && !types.is_a(right, left)
+    }
+
+    fn parameter_type(&self, term: &Term) -> Option<TypeId> {
+        match term {
+            Term::Variable(slot) => self.action.parameters.get(*slot).map(|own| own.kind),
+            Term::Constant(_) => None,
+        }
     }
 
     /// Returns true if parameters and the key determine the terms of an atom.
     fn is_fixed(&self, atom: &Atom, key: &[Term]) -> bool {
-        let is_fixed = |term: &Term| match term {
+        atom.terms.iter().all(|term| match term {
             Term::Variable(slot) => *slot < self.action.parameters.len() || key.contains(term),
             Term::Constant(_) => true,
-        };
-        atom.terms.iter().all(is_fixed)
+        })
     }
 
     /// Returns the members that are not in the group and that the action deletes with the key of an addition.
     fn deleted_with(&self, own: &Addition<'a>) -> impl Iterator<Item = Member> {
         let deletions = self.action.effects.iter().filter(|effect| !effect.adds);
         let members = deletions.flat_map(move |effect| {
-            let arity = effect.atom.terms.len();
-            let member = |counted| Member {
-                predicate: effect.atom.predicate,
-                counted,
-            };
-            let members = (0..arity).map(Some).chain([None]).map(member);
+            let members = Member::all_of(effect.atom.predicate, effect.atom.terms.len());
             members.filter(|member| member.key_terms(&effect.atom) == own.key)
         });
         members.filter(|member| self.group.iter().all(|known| known.predicate != member.predicate))

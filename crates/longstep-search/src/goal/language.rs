@@ -157,23 +157,8 @@ fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Expans
         }
     };
     let mut groups: Vec<Group> = Vec::new();
-    let mut side = |parts: &[&str]| {
-        let mut facts: Vec<GoalFact> = Vec::new();
-        for text in parts {
-            if text.is_empty() {
-                return Err(GoalError::Empty);
-            }
-            let part = expansion::goals(world, text)?;
-            groups.extend(part.groups);
-            for fact in part.facts {
-                if !facts.contains(&fact) {
-                    facts.push(fact);
-                }
-            }
-        }
-        Ok(facts)
-    };
-    let (then, otherwise) = (side(&written.then)?, side(&written.otherwise)?);
+    let then = branch(world, &written.then, &mut groups)?;
+    let otherwise = branch(world, &written.otherwise, &mut groups)?;
     let others: Vec<Fact> = domain
         .outcomes(condition)
         .into_iter()
@@ -201,4 +186,22 @@ fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Expans
         groups,
         ..GoalFact::If(conditional).into()
     })
+}
+
+/// Reads the goals of a branch, and adds their groups.
+fn branch(world: &World, parts: &[&str], groups: &mut Vec<Group>) -> Result<Vec<GoalFact>, GoalError> {
+    let mut facts: Vec<GoalFact> = Vec::new();
+    for text in parts {
+        if text.is_empty() {
+            return Err(GoalError::Empty);
+        }
+        let part = expansion::goals(world, text)?;
+        groups.extend(part.groups);
+        for fact in part.facts {
+            if !facts.contains(&fact) {
+                facts.push(fact);
+            }
+        }
+    }
+    Ok(facts)
 }

@@ -44,7 +44,8 @@ pub use relative::add_values;
 use expansion::Expansion;
 
 use longstep_model::model::{
-    Condition, Domain, EntityId, Fact, FormPiece, GoalWordId, RuleTime, Voice, Wanted, World, written_fact,
+    Atom, Condition, Domain, EntityId, Fact, FormPiece, GoalWordId, PredicateId, RuleTime, Term, Voice, Wanted, When,
+    World, written_fact,
 };
 use longstep_verify::message::GoalSentences;
 use longstep_verify::verify::{Purpose, Waiver};
@@ -120,16 +121,29 @@ impl GoalFact {
     fn written(&self, domain: &Domain, name: &dyn Fn(EntityId) -> String) -> String {
         match self {
             Self::Word { word, arguments } => {
-                let piece = |piece: &FormPiece| match piece {
+                let pieces = domain.goal_word(*word).form.iter();
+                let pieces = pieces.map(|piece| match piece {
                     FormPiece::Text(text) => text.clone(),
                     FormPiece::Parameter(index) => name(arguments[*index]),
-                };
-                domain.goal_word(*word).form.iter().map(piece).collect()
+                });
+                pieces.collect()
             }
             Self::Plain(fact) => written_fact(domain, *fact, name),
             Self::Number(comparison) => comparison.written(domain, name),
             Self::If(conditional) => conditional.written(domain, name),
             Self::Choice(choice) => choice.written(domain, name),
+        }
+    }
+
+    /// Returns true if sensing reveals whether a goal without conditions and groups holds.
+    fn is_sensed(&self, domain: &Domain) -> bool {
+        match self {
+            Self::If(_) | Self::Choice(_) | Self::Number(_) => false,
+            Self::Plain(fact) => domain.is_sensed(fact.predicate()),
+            Self::Word { word, .. } => {
+                let mut atoms = domain.goal_word(*word).condition.atoms();
+                atoms.any(|(atom, _)| domain.is_sensed(atom.predicate))
+            }
         }
     }
 
@@ -459,14 +473,9 @@ impl Goal {
     }
 
     fn written(&self, fact: impl Fn(&GoalFact) -> String, constraint: impl Fn(&Constraint) -> String) -> Vec<String> {
-        let stage = |(index, own): (usize, &GoalFact)| {
-            if self.stages.contains(&index) {
-                format!("{STAGE}{}", fact(own))
-            } else {
-                fact(own)
-            }
-        };
-        let facts = self.facts.iter().enumerate().map(stage);
+        let word = |index: usize| if self.stages.contains(&index) { STAGE } else { "" };
+        let facts = self.facts.iter().enumerate();
+        let facts = facts.map(|(index, own)| format!("{}{}", word(index), fact(own)));
         facts.chain(self.constraints.iter().map(constraint)).collect()
     }
 
@@ -513,17 +522,19 @@ impl Goal {
         } else {
             self.milestones(world, &all)
         };
-        // In place of a goal that need not last, so that conditions keep the indices of their goals.
-        let nothing = || Wanted {
-            condition: Condition::TRUE,
-            bindings: Vec::new(),
-        };
-        let kept = self.kept(world).into_iter().zip(all);
+        let mut wanted = all;
+        for (kept, wanted) in self.kept(world).into_iter().zip(&mut wanted) {
+            if !kept {
+                // In place of a goal that need not last, so that conditions keep the indices of their goals.
+                *wanted = Wanted {
+                    condition: Condition::TRUE,
+                    bindings: Vec::new(),
+                };
+            }
+        }
         let constraints = self.constraints.iter();
         Purpose {
-            wanted: kept
-                .map(|(kept, wanted)| if kept { wanted } else { nothing() })
-                .collect(),
+            wanted,
             stages,
             prohibitions: constraints.map(|constraint| constraint.prohibition(world)).collect(),
             waivers: self.waivers(domain),
@@ -534,16 +545,17 @@ impl Goal {
 
     /// Returns true if the goal depends on a sensed fact, so that its plan may need sensing actions.
     pub fn depends_on_sensing(&self, domain: &Domain) -> bool {
-        let is_sensed = |fact: &GoalFact| match fact {
-            GoalFact::If(_) | GoalFact::Choice(_) => false,
-            GoalFact::Plain(fact) => domain.is_sensed(fact.predicate()),
-            GoalFact::Number(_) => false,
-            GoalFact::Word { word, .. } => {
-                let mut atoms = domain.goal_word(*word).condition.atoms();
-                atoms.any(|(atom, _)| domain.is_sensed(atom.predicate))
-            }
-        };
-        let depends = |fact: &GoalFact| fact.is_conditional() || fact.leaves().into_iter().any(is_sensed);
-        self.facts.iter().any(depends)
+        let mut leaves = self.facts.iter().flat_map(GoalFact::leaves);
+        self.facts.iter().any(GoalFact::is_conditional) || leaves.any(|leaf| leaf.is_sensed(domain))
+    }
+}
+
+/// Returns the condition that an atom has a truth value at a time.
+fn literal(predicate: PredicateId, terms: &[Term], holds: bool, at: When) -> Condition {
+    let terms = terms.to_vec();
+    Condition::Atom {
+        atom: Atom { predicate, terms },
+        holds,
+        at,
     }
 }

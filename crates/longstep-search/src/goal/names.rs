@@ -87,15 +87,19 @@ fn unknown_name(world: &World, part: String, name: String, kind: TypeId) -> Goal
         };
     }
     let known = || world.entities().map(|(_, entity)| entity.name.as_str());
-    let is_part_of = |known: &&str| {
-        let known = known.to_lowercase();
-        known.strip_suffix(&folded).is_some_and(|rest| rest.ends_with(' '))
-    };
-    let longer = known().filter(is_part_of).take(LONGER_NAMES);
+    let longer = known()
+        .filter(|known| ends_with_words(known, &folded))
+        .take(LONGER_NAMES);
     let mut near: Vec<String> = longer.map(str::to_owned).collect();
     // Names that end with the text explain the error better than a similar spelling.
     if near.is_empty() {
         near.extend(nearest(&name, known()).map(str::to_owned));
     }
     GoalError::UnknownName { part, name, near }
+}
+
+/// Returns true if a name ends with these words, which are in lower case, and has others before them.
+fn ends_with_words(name: &str, words: &str) -> bool {
+    let name = name.to_lowercase();
+    name.strip_suffix(words).is_some_and(|rest| rest.ends_with(' '))
 }

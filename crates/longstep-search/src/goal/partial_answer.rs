@@ -38,15 +38,9 @@ impl Begun {
     /// The error in the first unreadable part.
     pub fn read(world: &World, answer: &str) -> Result<Self, GoalError> {
         let answer = answer.trim();
-        let all = |text: &str| -> Result<Vec<GoalFact>, GoalError> {
-            match text.trim() {
-                "" => Ok(Vec::new()),
-                text => Ok(parse(world, text)?.facts),
-            }
-        };
         if let Some(finished) = answer.strip_suffix(JOINT.trim()) {
             return Ok(Self {
-                facts: all(finished)?,
+                facts: goals(world, finished)?,
                 side: Vec::new(),
                 other_side: Vec::new(),
                 next: Next::Goal,
@@ -58,7 +52,7 @@ impl Begun {
         let (before, last) = answer.rsplit_once('&').unwrap_or(("", answer));
         let Some((word, _)) = cut.filter(|_| last.trim_start().starts_with(IF)) else {
             return Ok(Self {
-                facts: all(answer)?,
+                facts: goals(world, answer)?,
                 side: Vec::new(),
                 other_side: Vec::new(),
                 next: if answer.is_empty() { Next::Goal } else { Next::Nothing },
@@ -67,13 +61,9 @@ impl Begun {
         let open = last.trim().strip_suffix(word).unwrap_or_default();
         let written = WrittenConditional::read(open);
         let in_otherwise = word == ELSE || written.as_ref().is_some_and(|written| !written.otherwise.is_empty());
-        let read = |parts: &[&str]| -> Result<Vec<GoalFact>, GoalError> {
-            let facts: Result<Vec<Vec<GoalFact>>, GoalError> = parts.iter().map(|part| all(part)).collect();
-            Ok(facts?.concat())
-        };
         // A branch without goals is not yet a complete conditional.
         let (then, otherwise) = match &written {
-            Some(written) => (read(&written.then)?, read(&written.otherwise)?),
+            Some(written) => (all_goals(world, &written.then)?, all_goals(world, &written.otherwise)?),
             None => (Vec::new(), Vec::new()),
         };
         let (side, other_side) = if in_otherwise {
@@ -82,7 +72,7 @@ impl Begun {
             (then, Vec::new())
         };
         Ok(Self {
-            facts: all(before)?,
+            facts: goals(world, before)?,
             side,
             other_side,
             next: if in_otherwise { Next::Otherwise } else { Next::Then },
@@ -99,6 +89,22 @@ impl Begun {
     pub fn has_condition(&self) -> bool {
         matches!(self.next, Next::Then | Next::Otherwise) || self.facts.iter().any(GoalFact::is_conditional)
     }
+}
+
+/// Parses goals; none in an empty text.
+fn goals(world: &World, text: &str) -> Result<Vec<GoalFact>, GoalError> {
+    match text.trim() {
+        "" => Ok(Vec::new()),
+        text => Ok(parse(world, text)?.facts),
+    }
+}
+
+fn all_goals(world: &World, parts: &[&str]) -> Result<Vec<GoalFact>, GoalError> {
+    let mut all = Vec::new();
+    for part in parts {
+        all.extend(goals(world, part)?);
+    }
+    Ok(all)
 }
 
 /// Parses an answer that has ended, possibly with a word that requires a continuation; that word is ignored.

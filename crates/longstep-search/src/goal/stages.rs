@@ -70,22 +70,16 @@ impl Goal {
         let mut before = 0..0;
         let mut stages = Vec::new();
         for range in self.ranges() {
-            let milestone = |index: usize| {
+            let earlier: Vec<&Needs> = before.filter(is_definite).flat_map(|index| &needs[index]).collect();
+            let mut milestones = Vec::with_capacity(range.len());
+            for index in range.clone() {
                 let wanted = all[index].clone();
                 let initially = holds(moment, &wanted.condition, &mut wanted.bindings.clone());
-                let implied = || {
-                    let earlier = before.clone().filter(is_definite).flat_map(|index| &needs[index]);
-                    let earlier: Vec<&Needs> = earlier.collect();
-                    let follows = |leaf: usize| needs[index][leaf].follow_from(world, &earlier);
-                    match &self.facts[index] {
-                        GoalFact::Choice(choice) => choice.is_possible(&follows),
-                        _ => (0..needs[index].len()).all(follows),
-                    }
-                };
+                let implied = || self.facts[index].follows_from(world, &needs[index], &earlier);
                 let anew = range.start > 0 && !initially && !implied();
-                Milestone { wanted, anew }
-            };
-            stages.push(range.clone().map(milestone).collect());
+                milestones.push(Milestone { wanted, anew });
+            }
+            stages.push(milestones);
             before = range;
         }
         stages
@@ -98,12 +92,7 @@ impl Goal {
         if self.stages.is_empty() {
             return kept;
         }
-        let of_goal = |fact| GoalNeeds {
-            fact,
-            whole: Needs::of_part(world, fact),
-            parts: Needs::of(world, fact),
-        };
-        let needs: Vec<GoalNeeds> = self.facts.iter().map(of_goal).collect();
+        let needs: Vec<GoalNeeds> = self.facts.iter().map(|fact| GoalNeeds::of(world, fact)).collect();
         for range in self.ranges() {
             for earlier in range.clone() {
                 kept[earlier] = needs[earlier].last(world, &needs[range.end..]);
@@ -120,7 +109,26 @@ struct GoalNeeds<'g> {
     parts: Vec<Needs<'g>>,
 }
 
-impl GoalNeeds<'_> {
+impl GoalFact {
+    /// Returns true if the goal, of which these are the needs, holds whenever the earlier goals are achieved.
+    fn follows_from(&self, world: &World, needs: &[Needs], earlier: &[&Needs]) -> bool {
+        let follows = |leaf: usize| needs[leaf].follow_from(world, earlier);
+        match self {
+            Self::Choice(choice) => choice.is_possible(&follows),
+            _ => (0..needs.len()).all(follows),
+        }
+    }
+}
+
+impl<'g> GoalNeeds<'g> {
+    fn of(world: &World, fact: &'g GoalFact) -> Self {
+        Self {
+            fact,
+            whole: Needs::of_part(world, fact),
+            parts: Needs::of(world, fact),
+        }
+    }
+
     /// Returns false if one of the later goals excludes this one.
     fn last(&self, world: &World, later: &[GoalNeeds]) -> bool {
         let lasts = |part: usize| !later.iter().any(|other| other.excludes_part(world, &self.parts[part]));
@@ -128,12 +136,14 @@ impl GoalNeeds<'_> {
             GoalFact::Choice(choice) => choice.is_possible(&lasts),
             _ => (0..self.parts.len()).all(lasts),
         };
+        possible && !later.iter().any(|other| self.excludes_choice(world, other))
+    }
+
+    /// Returns true if one of two goals is a choice, and they cannot hold together.
+    fn excludes_choice(&self, world: &World, other: &GoalNeeds) -> bool {
         let is_choice = |own: &GoalNeeds| matches!(own.fact, GoalFact::Choice(_));
-        let excludes = |other: &GoalNeeds| {
-            let has_conditions = self.fact.is_conditional() || other.fact.is_conditional();
-            (is_choice(self) || is_choice(other)) && !has_conditions && self.whole.excludes(world, &other.whole)
-        };
-        possible && !later.iter().any(excludes)
+        let has_conditions = self.fact.is_conditional() || other.fact.is_conditional();
+        (is_choice(self) || is_choice(other)) && !has_conditions && self.whole.excludes(world, &other.whole)
     }
 
     /// Returns true if this goal cannot hold together with a part of another one.
@@ -181,38 +191,38 @@ impl<'g> Needs<'g> {
             .filter(|(_, holds)| *holds)
             .map(|(fact, _)| *fact)
             .collect();
-        let follows = |(fact, holds): &(Fact, bool)| {
-            *holds && (world.state.holds(*fact) || achieved.iter().any(|done| implies(world, *done, *fact)))
-        };
-        let holds = |test: &GroundTest| test.holds(&|fluent| world.state.number(*fluent));
-        self.alternatives
-            .iter()
-            .any(|literals| literals.facts.iter().all(follows) && literals.tests.iter().all(holds))
+        let is_implied = |fact: Fact| achieved.iter().any(|done| implies(world, *done, fact));
+        let holds = |fact: Fact| world.state.holds(fact) || is_implied(fact);
+        let is_so = |test: &GroundTest| test.holds(&|fluent| world.state.number(*fluent));
+        self.alternatives.iter().any(|literals| {
+            let mut facts = literals.facts.iter();
+            facts.all(|(fact, positive)| *positive && holds(*fact)) && literals.tests.iter().all(is_so)
+        })
     }
 
     /// Returns true if two goals cannot hold in one state.
     fn excludes(&self, world: &World, other: &Needs) -> bool {
-        let pairs = || {
-            let mut pairs = self
-                .alternatives
-                .iter()
-                .flat_map(|own| other.alternatives.iter().map(move |them| (own, them)));
-            pairs.all(|(own, them)| excludes(world, own, them))
-        };
+        if self.is_of_the_group_of(world.domain(), other) {
+            return true;
+        }
         // Without alternatives there are no pairs, and "all pairs" would be true.
         let known = !self.alternatives.is_empty() && !other.alternatives.is_empty();
-        self.is_of_the_group_of(world.domain(), other) || known && pairs()
+        let excludes_all = |own: &Literals| other.alternatives.iter().all(|them| excludes(world, own, them));
+        known && self.alternatives.iter().all(excludes_all)
     }
 
     /// Returns true if both are goals of one group of the domain with the same first argument.
     fn is_of_the_group_of(&self, domain: &Domain, other: &Needs) -> bool {
-        let group = |fact: &GoalFact| match fact {
-            GoalFact::Word { word, arguments } => {
-                Some((domain.goal_word(*word).exclusive.clone()?, *arguments.first()?))
-            }
-            _ => None,
-        };
+        let group = |fact: &GoalFact| exclusive_group(domain, fact);
         self.fact != other.fact && group(self.fact).is_some_and(|own| group(other.fact) == Some(own))
+    }
+}
+
+/// Returns the group of goals of which one holds at a time for an entity, and that entity; none for a goal in no group.
+fn exclusive_group(domain: &Domain, fact: &GoalFact) -> Option<(String, EntityId)> {
+    match fact {
+        GoalFact::Word { word, arguments } => Some((domain.goal_word(*word).exclusive.clone()?, *arguments.first()?)),
+        _ => None,
     }
 }
 

@@ -259,6 +259,12 @@ pub(super) fn compile<'a>(
     }
 }
 
+/// Returns true if arguments differ in this place and in no other one.
+fn differ_only_in(place: usize, one: &[EntityId], other: &[EntityId]) -> bool {
+    let mut pairs = one.iter().zip(other).enumerate();
+    pairs.all(|(at, (one, other))| (one == other) == (at != place))
+}
+
 /// Compares how well a step's explanation matches two entities; greater if it prefers `one`.
 pub(super) fn compare_mentions(world: &World, explanation: &str, one: EntityId, other: EntityId) -> Ordering {
     let words: Vec<String> = plain_words(explanation).iter().map(|word| singular(word)).collect();
@@ -428,10 +434,10 @@ impl Writer<'_, '_> {
                 continue;
             }
             let same_things = operator.step.arguments.iter().all(|entity| handles.contains(entity));
-            let alike = |effect: &GroundEffect| effect.condition.is_true() && brings.contains(&effect.literal);
-            let counts =
-                |effect: &GroundNumericEffect| effect.condition.is_true() && changes.contains(&effect.variable);
-            let alike = operator.effects.iter().any(alike) || operator.numeric.iter().any(counts);
+            let mut effects = operator.effects.iter().filter(|effect| effect.condition.is_true());
+            let mut numeric = operator.numeric.iter().filter(|effect| effect.condition.is_true());
+            let alike = effects.any(|effect| brings.contains(&effect.literal))
+                || numeric.any(|effect| changes.contains(&effect.variable));
             if operator.step.action != step.action && same_things && alike {
                 let meaning = Move::Replace(index, operator.step.clone());
                 self.push(self.reading(index, operator.clone()), costs.replace, meaning);
@@ -464,13 +470,9 @@ impl Writer<'_, '_> {
             .iter()
             .filter(|operator| operator.step.action == step.action)
         {
-            let same_but_actor = |choice: &&Candidate| {
-                let pairs = choice.arguments.iter().zip(&operator.step.arguments).enumerate();
-                pairs
-                    .into_iter()
-                    .all(|(place, (one, other))| (one == other) == (place != actor))
-            };
-            let Some(choice) = choices.iter().find(same_but_actor) else {
+            let arguments = &operator.step.arguments;
+            let mut choices = choices.iter();
+            let Some(choice) = choices.find(|choice| differ_only_in(actor, &choice.arguments, arguments)) else {
                 continue;
             };
             if taken_out.iter().any(|taken_out| taken_out.is_like(operator)) {

@@ -4,7 +4,7 @@ use super::compile::{Move, Reason, compare_mentions};
 use super::target::Meant;
 use crate::search::GroundAction;
 use longstep_model::model::{Domain, Fact, Moment, NumberChange, State, World, fact_text, holds};
-use longstep_verify::plan::{Plan, Resolved, Step};
+use longstep_verify::plan::{DraftStep, Plan, Resolved, Step};
 use longstep_verify::verify::{Change, Purpose, Report, Violation, apply, broken_at_end, unmet};
 
 /// Kind of an [`Edit`].
@@ -89,32 +89,12 @@ pub(super) struct Script {
 impl Script {
     /// Builds the plan from the moves of a search.
     pub(super) fn of(world: &World, draft: &Resolved, moves: &[Move]) -> Self {
-        let domain = world.domain();
         let mut script = Self {
             steps: Vec::new(),
             dropped: Vec::new(),
         };
-        let own = |index: usize, ground: &GroundAction| {
-            let mut step = Step::explained(world, ground.action, ground.arguments.clone());
-            if let Some(written) = draft.steps[index].as_ref().filter(|step| !step.explanation.is_empty()) {
-                step.explanation.clone_from(&written.explanation);
-            }
-            step
-        };
-        // A new actor is often the one that the explanation already names; then the explanation is kept.
-        let meant = |index: usize, ground: &GroundAction| {
-            let written = draft.steps[index].as_ref().filter(|step| step.action == ground.action);
-            let actor = domain.action(ground.action).actor;
-            let named = written.zip(actor).is_some_and(|(written, actor)| {
-                let before = written.arguments[actor].unwrap_or(ground.arguments[actor]);
-                compare_mentions(world, &written.explanation, ground.arguments[actor], before).is_gt()
-            });
-            if named {
-                own(index, ground)
-            } else {
-                Step::explained(world, ground.action, ground.arguments.clone())
-            }
-        };
+        let own = |index: usize, ground: &GroundAction| as_written(world, draft.steps[index].as_ref(), ground);
+        let meant = |index: usize, ground: &GroundAction| replacement(world, draft.steps[index].as_ref(), ground);
         let new = |ground: &GroundAction| Step::explained(world, ground.action, ground.arguments.clone());
         let mut read = 0;
         for next in moves {
@@ -199,6 +179,55 @@ impl Script {
     }
 }
 
+/// Returns the step with the explanation of the draft, if that has one.
+fn as_written(world: &World, written: Option<&DraftStep>, ground: &GroundAction) -> Step {
+    let mut step = Step::explained(world, ground.action, ground.arguments.clone());
+    if let Some(written) = written.filter(|step| !step.explanation.is_empty()) {
+        step.explanation.clone_from(&written.explanation);
+    }
+    step
+}
+
+/// Returns the step in place of a written one. A new actor is often the one that the explanation already names; then the
+/// explanation is kept.
+fn replacement(world: &World, written: Option<&DraftStep>, ground: &GroundAction) -> Step {
+    let same = written.filter(|step| step.action == ground.action);
+    let actor = world.domain().action(ground.action).actor;
+    let named = same.zip(actor).is_some_and(|(written, actor)| {
+        let before = written.arguments[actor].unwrap_or(ground.arguments[actor]);
+        compare_mentions(world, &written.explanation, ground.arguments[actor], before).is_gt()
+    });
+    if named {
+        as_written(world, written, ground)
+    } else {
+        Step::explained(world, ground.action, ground.arguments.clone())
+    }
+}
+
+/// Returns a state without changes to it. A change that a later step undid has no part in it.
+fn undone(state: &State, changes: &[Change]) -> State {
+    let mut without = state.clone();
+    for change in changes.iter().filter(|change| state.holds(change.fact) == change.holds) {
+        without.set(change.fact, !change.holds);
+    }
+    without
+}
+
+/// Returns a state without changes to it, and with the numbers that it would have without the differences that these changes make.
+fn without_changes(state: &State, changes: &[Change], numbers: &[NumberChange]) -> State {
+    let mut without = undone(state, changes);
+    for change in numbers {
+        let other = change.before.and_then(|before| {
+            let difference = change.after.minus(before)?;
+            state.number(change.fluent)?.minus(difference)
+        });
+        if let Some(other) = other {
+            without.set_number(change.fluent, other);
+        }
+    }
+    without
+}
+
 /// Returns the states before each step and after the last one.
 fn states(world: &World, steps: &[Step]) -> Vec<State> {
     let mut state = world.state.clone();
@@ -231,38 +260,17 @@ impl Reasons<'_> {
             .steps()
             .nth(at)
             .map_or_else(Vec::new, |(_, changes)| changes.to_vec());
-        let undo = |state: &State, changes: &[Change]| {
-            let mut without = state.clone();
-            // A change that a later step undid has no part in what follows.
-            for change in changes.iter().filter(|change| state.holds(change.fact) == change.holds) {
-                without.set(change.fact, !change.holds);
-            }
-            without
-        };
         let trace = &self.report.ending().trace;
         let numbers = trace
             .numbers()
             .nth(at)
             .map_or(&[] as &[NumberChange], |(_, numbers)| numbers);
-        let without = |state: &State| {
-            let mut without = undo(state, &changes);
-            for change in numbers {
-                // The number that the state would have without the difference that the step makes.
-                let other = change.before.and_then(|before| {
-                    let difference = change.after.minus(before)?;
-                    state.number(change.fluent)?.minus(difference)
-                });
-                if let Some(other) = other {
-                    without.set_number(change.fluent, other);
-                }
-            }
-            without
-        };
+        let without = |state: &State| without_changes(state, &changes, numbers);
         for (step, before) in steps.iter().zip(&self.before).skip(at + 1) {
             let missing = self.lacking(step, &without(before));
             if !missing.is_empty() {
                 // Prefer facts that alone decide whether the later step is applicable.
-                let decides = |change: &&Change| !self.lacking(step, &undo(before, &[**change])).is_empty();
+                let decides = |change: &&Change| !self.lacking(step, &undone(before, &[**change])).is_empty();
                 let decisive = changes.iter().filter(decides);
                 let needed: Vec<String> = decisive
                     .map(|change| fact_text(self.world, change.fact, change.holds))
@@ -293,9 +301,8 @@ impl Reasons<'_> {
             return Some(format!("it is to be as before: {}", fact_text(world, *fact, true)));
         }
         let moment = Moment { world, state };
-        let unreached =
-            |wanted: &&crate::search::Wanted| !holds(moment, &wanted.condition, &mut wanted.bindings.clone());
-        let is_unmet = self.purpose.wanted.iter().any(|wanted| unreached(&wanted));
+        let mut wanted = self.purpose.wanted.iter();
+        let is_unmet = wanted.any(|wanted| !holds(moment, &wanted.condition, &mut wanted.bindings.clone()));
         is_unmet.then(|| "the goal asks for it".to_owned())
     }
 

@@ -74,17 +74,9 @@ pub(super) fn meant(world: &World, draft: &Resolved, purpose: &Purpose, as_if: &
     let possible = |fact: &Fact| can_be_brought_about(world, *fact);
     // A fact that violates a rule in the final state is not promised: a hand that still holds an object is an
     // oversight.
-    let broken = |state: &State| {
-        broken_at_end(world, state, purpose)
-            .filter(|broken| broken.binds)
-            .count()
-    };
+    let broken = |state: &State| broken_at_end(world, state, purpose).filter(|own| own.binds).count();
     let breaks = broken(as_if);
-    let forbidden = |fact: &Fact| {
-        let mut without = as_if.clone();
-        without.set(*fact, false);
-        breaks > 0 && broken(&without) < breaks
-    };
+    let forbidden = |fact: &Fact| breaks > 0 && broken(&with_fact(as_if, *fact, false)) < breaks;
     let unclaimed = unclaimed.filter(|fact| possible(fact) && !forbidden(fact));
     let mut promises = Vec::new();
     let mut impossible = Vec::new();
@@ -123,21 +115,23 @@ fn is_forbidden(world: &World, as_if: &State, fact: Fact) -> bool {
     }
     let mut free = world.clone();
     free.set_prohibitions([]);
-    let with = |holds: bool| {
-        let mut state = as_if.clone();
-        state.set(fact, holds);
-        state
-    };
-    let breaks = |state: &State| {
-        let rules = world
-            .always_rules()
-            .filter(|(number, _)| world.prohibition(*number).is_some());
-        rules
-            .map(|(_, rule)| broken_bindings(rule, world, state).len())
-            .sum::<usize>()
-    };
-    can_be_brought_about(&free, fact)
-        && (!can_be_brought_about(world, fact) || breaks(&with(true)) > breaks(&with(false)))
+    let breaks = |holds: bool| broken_prohibitions(world, &with_fact(as_if, fact, holds));
+    can_be_brought_about(&free, fact) && (!can_be_brought_about(world, fact) || breaks(true) > breaks(false))
+}
+
+fn with_fact(state: &State, fact: Fact, holds: bool) -> State {
+    let mut state = state.clone();
+    state.set(fact, holds);
+    state
+}
+
+/// Counts the instances of prohibitions that a state breaks.
+fn broken_prohibitions(world: &World, state: &State) -> usize {
+    let rules = world.always_rules();
+    let prohibitions = rules.filter(|(number, _)| world.prohibition(*number).is_some());
+    prohibitions
+        .map(|(_, rule)| broken_bindings(rule, world, state).len())
+        .sum()
 }
 
 /// Returns the other relations that an environment can express between the arguments of a fact.

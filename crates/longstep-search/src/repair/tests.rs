@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::goal;
+use crate::pddl::read_problem;
 use crate::search::{self, Limits};
 use crate::testing;
 use longstep_model::domain::{self, Files};
@@ -177,6 +178,38 @@ fn repair_keeps_steps_that_have_an_effect() {
             "insert Close(<oven_2>) before step 3",
         ],
     );
+}
+
+#[test]
+fn step_is_idle_only_if_its_conditional_effects_change_nothing_either() {
+    let domain = domain::from_pddl(
+        "kettle.pddl",
+        "(define (domain kettle) (:requirements :adl) (:types kettle)
+           (:predicates (plugged ?k - kettle) (on ?k - kettle) (full ?k - kettle) (cold ?k - kettle))
+           (:action fill :parameters (?k - kettle) :precondition () :effect (full ?k))
+           (:action plug :parameters (?k - kettle) :precondition () :effect (plugged ?k))
+           (:action press :parameters (?k - kettle) :precondition (plugged ?k)
+             :effect (and (on ?k) (when (full ?k) (not (cold ?k))))))",
+    )
+    .unwrap();
+    for (facts, expected) in [
+        ("(on kettle) (cold kettle)", ["leave out step 1, press(kettle)"]),
+        (
+            "(on kettle) (cold kettle) (full kettle)",
+            ["insert plug(kettle) before step 1"],
+        ),
+        ("(on kettle) (full kettle)", ["leave out step 1, press(kettle)"]),
+    ] {
+        let problem =
+            format!("(define (problem p) (:domain kettle) (:objects kettle - kettle) (:init {facts}) (:goal ()))");
+        let world = read_problem(&domain, "problem.pddl", &problem).unwrap().world;
+        let draft = resolve(&world, &written(&["press(kettle)"]));
+        let RepairOutcome::Repaired(repaired) = repair(&world, &draft, &Purpose::default()) else {
+            panic!("it can be repaired");
+        };
+        let edits: Vec<String> = repaired.edits.iter().map(|edit| edit.description(1)).collect();
+        assert_eq!(edits, expected, "{facts}");
+    }
 }
 
 #[test]

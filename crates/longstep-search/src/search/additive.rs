@@ -49,15 +49,11 @@ impl Additive {
         let (rules, propositions) = (relaxed.payer.len(), relaxed.propositions());
         // Free steps take time as well, and a search that ignores them goes astray among them.
         let uneven = task.steps().any(|(_, operator)| operator.cost != 1);
-        let price = |operator: u32| match task.operators.get(operator as usize) {
-            Some(operator) if !operator.is_mark => operator.cost.saturating_add(u32::from(uneven)),
-            _ => 0,
-        };
         Self {
             needs: (0..rules)
                 .map(|rule| relaxed.needs.of(rule as u32).len() as u32)
                 .collect(),
-            price: relaxed.payer.iter().map(|payer| price(*payer)).collect(),
+            price: relaxed.payer.iter().map(|payer| price(task, *payer, uneven)).collect(),
             relaxed,
             value: vec![UNREACHED; propositions],
             achiever: vec![NONE; propositions],
@@ -160,5 +156,13 @@ impl Additive {
             cost: Some(cost.min(UNREACHED / 64)),
             preferred,
         }
+    }
+}
+
+/// Returns the price of a rule: the cost of the operator that pays for it, and one more if costs are `uneven`.
+fn price(task: &Task, payer: u32, uneven: bool) -> u32 {
+    match task.operators.get(payer as usize) {
+        Some(operator) if !operator.is_mark => operator.cost.saturating_add(u32::from(uneven)),
+        _ => 0,
     }
 }

@@ -48,11 +48,12 @@ impl Applicable {
         let filed = self.used.iter().filter(|literal| state.is(**literal));
         for list in filed.map(|literal| &self.under[index(*literal)]).chain([&self.others]) {
             tested += list.len();
-            let applicable = |number: &&u32| {
-                let operator = &task.operators[**number as usize];
-                operator.precondition.holds(&|literal| state.is(literal))
-            };
-            found.extend(list.iter().filter(applicable));
+            for number in list {
+                let precondition = &task.operators[*number as usize].precondition;
+                if precondition.holds(&|literal| state.is(literal)) {
+                    found.push(*number);
+                }
+            }
         }
         // The order of the task begins with operators about entities of the goal.
         found.sort_unstable();

@@ -42,12 +42,11 @@ pub(super) fn price(world: &World, task: &mut Task) -> Result<Costs, String> {
     }
     let divisor = costs.iter().copied().fold(0, greatest_common_divisor).max(1);
     let greatest = costs.iter().max().copied().unwrap_or(0) / divisor;
-    let affordable = |factor: &u64| {
-        let longest = greatest.saturating_mul(*factor).saturating_add(1).saturating_mul(STEPS);
-        longest <= GREATEST
-    };
     // In a plan of fewer than `factor` steps the fractions sum to less than one unit of cost, so they only break ties.
-    let Some(factor) = [STEPS, STEPS / 10, 1].into_iter().find(affordable) else {
+    let Some(factor) = [STEPS, STEPS / 10, 1]
+        .into_iter()
+        .find(|factor| is_affordable(greatest, *factor))
+    else {
         let span = Number::of_millionths(i64::try_from(divisor).unwrap_or(i64::MAX)).unwrap_or_default();
         return Err(format!(
             "the costs of steps differ too much to be added up exactly: up to {greatest} times {span}; round them in the domain"
@@ -64,6 +63,12 @@ pub(super) fn price(world: &World, task: &mut Task) -> Result<Costs, String> {
             factor => factor as usize,
         },
     })
+}
+
+/// Returns true if a search can add up the costs of a path, of which the greatest is given, scaled by the factor.
+fn is_affordable(greatest: u64, factor: u64) -> bool {
+    let longest = greatest.saturating_mul(factor).saturating_add(1).saturating_mul(STEPS);
+    longest <= GREATEST
 }
 
 /// Returns the cost of a step, which must not depend on numbers that change.

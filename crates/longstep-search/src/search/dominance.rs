@@ -12,7 +12,7 @@
 use rustc_hash::FxHashMap;
 
 use super::bits::Bits;
-use super::formula::Literal;
+use super::formula::{Formula, Literal};
 use super::task::Task;
 use longstep_model::effort;
 
@@ -81,48 +81,41 @@ impl Dominance {
     }
 }
 
+fn require(helps: &mut [Helps], literal: Literal) {
+    let helps = &mut helps[literal.fact as usize];
+    *helps = helps.and(literal.holds);
+}
+
+/// Requires both polarities of the literals of a condition.
+fn require_both(helps: &mut [Helps], condition: &Formula) {
+    condition.for_each(&mut |literal| {
+        require(helps, literal);
+        require(helps, literal.opposite());
+    });
+}
+
 fn helps(task: &Task) -> Vec<Helps> {
     let mut helps = vec![Helps::Anyhow; task.initial.len()];
-    let mut require = |literal: Literal| {
-        let helps = &mut helps[literal.fact as usize];
-        *helps = helps.and(literal.holds);
-    };
-    task.goal.for_each(&mut require);
+    task.goal.for_each(&mut |literal| require(&mut helps, literal));
     // A state that breaks a rule permits successors that break it, so neither polarity of the rule's facts dominates.
     for rule in task.always.iter() {
-        rule.for_each(&mut |literal| {
-            require(literal);
-            require(Literal {
-                holds: !literal.holds,
-                ..literal
-            });
-        });
+        require_both(&mut helps, rule);
     }
     // Progress is recorded as soon as it is made, and too early is no better than too late.
     for mark in task.marks() {
         let conditions = mark.effects.iter().map(|effect| &effect.condition);
         for condition in conditions.chain([&mark.precondition]) {
-            condition.for_each(&mut |literal| {
-                require(literal);
-                require(Literal {
-                    holds: !literal.holds,
-                    ..literal
-                });
-            });
+            require_both(&mut helps, condition);
         }
     }
     // A change of a number is neither good nor bad.
     for effect in task.operators.iter().flat_map(|operator| &operator.numeric) {
-        effect.condition.for_each(&mut |literal| {
-            require(literal);
-            require(Literal {
-                holds: !literal.holds,
-                ..literal
-            });
-        });
+        require_both(&mut helps, &effect.condition);
     }
     for operator in &task.operators {
-        operator.precondition.for_each(&mut require);
+        operator
+            .precondition
+            .for_each(&mut |literal| require(&mut helps, literal));
     }
     // A literal in an effect's condition helps as the effect does; if the effect has both polarities, so does the
     // literal.

@@ -7,6 +7,16 @@ pub(crate) struct Literal {
     pub(crate) holds: bool,
 }
 
+impl Literal {
+    /// Returns the literal with the other truth value.
+    pub(crate) fn opposite(self) -> Self {
+        Self {
+            fact: self.fact,
+            holds: !self.holds,
+        }
+    }
+}
+
 /// A ground condition in negation normal form.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Formula {
@@ -21,6 +31,11 @@ impl Formula {
     pub(crate) const TRUE: Formula = Formula::And(Vec::new());
     pub(crate) const FALSE: Formula = Formula::Or(Vec::new());
 
+    /// Returns the literal that a fact has a truth value.
+    pub(crate) fn literal(fact: u32, holds: bool) -> Self {
+        Self::Literal(Literal { fact, holds })
+    }
+
     pub(crate) fn is_true(&self) -> bool {
         *self == Self::TRUE
     }
@@ -34,10 +49,7 @@ impl Formula {
         match self {
             Self::And(parts) => Self::or(parts.iter().map(Self::negated)),
             Self::Or(parts) => Self::and(parts.iter().map(Self::negated)),
-            Self::Literal(literal) => Self::Literal(Literal {
-                holds: !literal.holds,
-                ..*literal
-            }),
+            Self::Literal(literal) => Self::Literal(literal.opposite()),
         }
     }
 

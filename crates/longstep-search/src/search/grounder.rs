@@ -40,17 +40,24 @@ impl Meaning {
 
 /// Returns the conjuncts of a condition; atoms and equalities with the number of parameters to bind before evaluation.
 fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
-    let needed = |term: &Term| match term {
-        Term::Variable(slot) => slot + 1,
-        Term::Constant(_) => 0,
-    };
-    let all_needed = |part: &Condition| match part {
-        Condition::Atom { atom, .. } => atom.terms.iter().map(needed).max().unwrap_or(0),
-        Condition::Equal { left, right, .. } => needed(left).max(needed(right)),
+    condition.conjuncts().map(|part| (slots_of(part), part)).collect()
+}
+
+/// Returns the number of slots to bind before a conjunct is evaluated.
+fn slots_of(part: &Condition) -> usize {
+    match part {
+        Condition::Atom { atom, .. } => atom.terms.iter().map(slots_of_term).max().unwrap_or(0),
+        Condition::Equal { left, right, .. } => slots_of_term(left).max(slots_of_term(right)),
         Condition::Number(test) => test.last_slot().map_or(0, |slot| slot + 1),
         _ => 0,
-    };
-    condition.conjuncts().map(|part| (all_needed(part), part)).collect()
+    }
+}
+
+fn slots_of_term(term: &Term) -> usize {
+    match term {
+        Term::Variable(slot) => slot + 1,
+        Term::Constant(_) => 0,
+    }
 }
 
 /// The events of a stage after the first one.
@@ -194,12 +201,7 @@ impl<'a> Grounder<'a> {
             self.each_binding(id, &mut |grounder, arguments, precondition| {
                 let outcomes: Vec<Fact> = action.senses.iter().map(|atom| ground_atom(atom, arguments)).collect();
                 let numbers: Vec<u32> = outcomes.iter().map(|fact| grounder.number(*fact)).collect();
-                let unknown = |fact: &u32| {
-                    Formula::Literal(Literal {
-                        fact: *fact,
-                        holds: false,
-                    })
-                };
+                let unknown = |fact: &u32| Formula::literal(*fact, false);
                 let precondition = Formula::and(std::iter::once(precondition).chain(numbers.iter().map(unknown)));
                 for (outcome, fact) in outcomes.iter().zip(&numbers) {
                     operators.push(Operator {
@@ -493,12 +495,11 @@ impl<'a> Grounder<'a> {
         let adds = effects.iter().filter(|e| e.literal.holds);
         let always = Formula::TRUE;
         let added: FxHashSet<(u32, &Formula)> = adds.map(|e| (e.literal.fact, &e.condition)).collect();
-        let counts = |e: &GroundEffect| {
-            let by = |condition| added.contains(&(e.literal.fact, condition));
-            e.literal.holds || !(by(&always) || by(&e.condition))
-        };
-        let counting: Vec<bool> = effects.iter().map(counts).collect();
-        let mut counting = counting.into_iter();
+        let counting = effects.iter().map(|e| {
+            let is_added = |condition| added.contains(&(e.literal.fact, condition));
+            e.literal.holds || !(is_added(&always) || is_added(&e.condition))
+        });
+        let mut counting = counting.collect::<Vec<bool>>().into_iter();
         effects.retain(|_| counting.next().unwrap_or(true));
         effects.sort();
         effects.dedup();

@@ -117,14 +117,8 @@ impl LandmarkCut {
                 _ => {}
             }
             self.find_cut();
-            let left = |operator: &u32| {
-                self.relaxed
-                    .paid_by
-                    .of(*operator)
-                    .first()
-                    .map(|rule| self.price[*rule as usize])
-            };
-            let Some(least) = self.cut.iter().filter_map(left).min().filter(|least| *least > 0) else {
+            let prices = self.cut.iter().filter_map(|operator| self.price_of(*operator));
+            let Some(least) = prices.min().filter(|least| *least > 0) else {
                 // Cannot happen; a bound that is too low is still admissible.
                 debug_assert!(false, "an empty cut");
                 break;
@@ -141,6 +135,12 @@ impl LandmarkCut {
             cost: Some(bound),
             preferred,
         }
+    }
+
+    /// Returns the price of an operator that the cuts so far have left.
+    fn price_of(&self, operator: u32) -> Option<u32> {
+        let rule = self.relaxed.paid_by.of(operator).first()?;
+        Some(self.price[*rule as usize])
     }
 
     /// Computes the h-max values of a state.

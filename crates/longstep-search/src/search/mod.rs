@@ -29,6 +29,8 @@ mod relevance;
 #[cfg(test)]
 mod relevance_tests;
 mod scope;
+#[cfg(test)]
+mod scope_tests;
 mod stages;
 mod successor;
 mod target;

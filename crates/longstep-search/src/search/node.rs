@@ -3,7 +3,7 @@
 use super::bits::Bits;
 use super::formula::Literal;
 use super::numbers::Numbers;
-use super::operator::Operator;
+use super::operator::{GroundEffect, Operator};
 use super::task::Task;
 
 /// A state that a search has reached, with the cheapest known path to it.
@@ -75,16 +75,18 @@ fn record(task: &Task, mut state: Bits) -> Bits {
 
 fn applied(task: &Task, state: &Bits, operator: &Operator) -> Bits {
     let mut next = state.clone();
-    let fires = |holds: bool| {
-        let effects = operator
-            .effects
-            .iter()
-            .filter(move |effect| !effect.may && effect.literal.holds == holds);
-        effects.filter(|effect| effect.condition.holds(&|literal| state.is(literal)))
-    };
     // As in PDDL, a fact that is both deleted and added holds afterwards.
-    for effect in fires(false).chain(fires(true)) {
-        next.set(effect.literal);
+    for holds in [false, true] {
+        for GroundEffect {
+            condition,
+            literal,
+            may,
+        } in &operator.effects
+        {
+            if !may && literal.holds == holds && condition.holds(&|literal| state.is(literal)) {
+                next.set(*literal);
+            }
+        }
     }
     if !operator.numeric.is_empty() {
         renumber(task, state, operator, &mut next);

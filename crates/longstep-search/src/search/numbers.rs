@@ -50,14 +50,11 @@ impl Numbers {
         for effect in operator.numeric.iter().filter(|effect| effect.condition.holds(holds)) {
             let value = effect.value.evaluate(&|variable: &u32| before(*variable))?;
             let place = after.iter().position(|(variable, _)| *variable == effect.variable);
-            let current = || match place {
-                Some(place) => Some(after[place].1),
-                None => before(effect.variable),
-            };
+            let current = place.map_or_else(|| before(effect.variable), |place| Some(after[place].1));
             let number = match effect.kind {
                 NumberChangeKind::Assign => value,
-                NumberChangeKind::Increase => current()?.plus(value)?,
-                NumberChangeKind::Decrease => current()?.minus(value)?,
+                NumberChangeKind::Increase => current?.plus(value)?,
+                NumberChangeKind::Decrease => current?.minus(value)?,
             };
             match place {
                 Some(place) => after[place].1 = number,
@@ -146,12 +143,9 @@ impl Numbers {
     fn is_tame(&self, operators: &[Operator]) -> bool {
         let limit = Number::from(TAME);
         let small = |number: Number| Number::ZERO.minus(limit).is_some_and(|least| number > least) && number < limit;
-        let constant = |effect: &GroundNumericEffect| match effect.value {
-            Arithmetic::Constant(number) => small(number),
-            _ => false,
-        };
-        let effects = operators.iter().flat_map(|operator| &operator.numeric);
-        self.initial.iter().flatten().all(|number| small(*number)) && effects.into_iter().all(constant)
+        let mut effects = operators.iter().flat_map(|operator| &operator.numeric);
+        self.initial.iter().flatten().all(|number| small(*number))
+            && effects.all(|effect| matches!(effect.value, Arithmetic::Constant(number) if small(number)))
     }
 
     /// Returns true if all tame numbers have a value for the test: sums and differences of variables that have numbers.

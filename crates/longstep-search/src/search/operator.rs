@@ -42,3 +42,11 @@ pub(crate) struct Operator {
     pub(crate) effects: Vec<GroundEffect>,
     pub(crate) numeric: Vec<GroundNumericEffect>,
 }
+
+impl Operator {
+    /// Returns the number of literals in its conditions, with some for each change of a number.
+    pub(super) fn size(&self) -> usize {
+        let effects: usize = self.effects.iter().map(|effect| effect.condition.size()).sum();
+        self.precondition.size() + effects + 4 * self.numeric.len()
+    }
+}

@@ -105,9 +105,8 @@ impl Relaxed {
         let groups: Vec<Vec<EffectGroup>> = task.operators.iter().map(|o| builder.groups(o)).collect();
         for (number, groups) in groups.into_iter().enumerate() {
             for (needs, gives) in groups {
-                let proposition =
-                    |literal: Literal| builder.literals[literal.fact as usize][usize::from(literal.holds)];
-                let gives: Vec<u32> = gives.into_iter().map(proposition).filter(|p| *p != NONE).collect();
+                let gives = gives.into_iter().map(|literal| *builder.known(literal));
+                let gives: Vec<u32> = gives.filter(|proposition| *proposition != NONE).collect();
                 if !gives.is_empty() {
                     builder.rule(needs, &gives, number as u32);
                 }
@@ -159,6 +158,11 @@ impl Builder {
         self.propositions - 1
     }
 
+    /// Returns the proposition of a literal; [`NONE`] if no condition so far contains it.
+    fn known(&mut self, literal: Literal) -> &mut u32 {
+        &mut self.literals[literal.fact as usize][usize::from(literal.holds)]
+    }
+
     fn rule(&mut self, mut needs: Vec<u32>, gives: &[u32], payer: u32) {
         needs.sort_unstable();
         needs.dedup();
@@ -183,11 +187,11 @@ impl Builder {
                 }
                 vec![node]
             }
-            Formula::Literal(Literal { fact, holds }) => {
-                if self.literals[*fact as usize][usize::from(*holds)] == NONE {
-                    self.literals[*fact as usize][usize::from(*holds)] = self.proposition();
+            Formula::Literal(literal) => {
+                if *self.known(*literal) == NONE {
+                    *self.known(*literal) = self.proposition();
                 }
-                vec![self.literals[*fact as usize][usize::from(*holds)]]
+                vec![*self.known(*literal)]
             }
         }
     }
@@ -210,11 +214,12 @@ impl Builder {
             self.rule(precondition, &[applicable], NONE);
             precondition = vec![applicable];
         }
-        let group = |(condition, literals): (&Formula, Vec<Literal>)| {
+        let mut groups = Vec::with_capacity(conditions.len());
+        for (condition, literals) in conditions {
             let mut needs = self.propositions_of(condition);
             needs.extend(&precondition);
-            (needs, literals)
-        };
-        conditions.into_iter().map(group).collect()
+            groups.push((needs, literals));
+        }
+        groups
     }
 }

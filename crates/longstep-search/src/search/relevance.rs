@@ -100,7 +100,7 @@ fn keep_allowed(task: &mut Task) -> bool {
     let before = task.operators.len();
     task.operators.retain(|operator| {
         !operator.effects.iter().any(|effect| {
-            let literal = opposite(effect.literal);
+            let literal = effect.literal.opposite();
             kept.contains(&literal) && breaks(operator, literal)
         })
     });
@@ -116,7 +116,7 @@ fn keep_allowed(task: &mut Task) -> bool {
 /// Returns true if the operator makes the literal false whenever it is applied.
 fn breaks(operator: &Operator, literal: Literal) -> bool {
     let mut effects = operator.effects.iter();
-    effects.any(|effect| !effect.may && effect.literal == opposite(literal) && effect.condition.is_true())
+    effects.any(|effect| !effect.may && effect.literal == literal.opposite() && effect.condition.is_true())
         // As in PDDL, a fact that is both deleted and added holds afterwards.
         && !(literal.holds && operator.effects.iter().any(|effect| effect.literal == literal))
 }
@@ -143,19 +143,11 @@ fn keep_disjunction(task: &mut Task, parts: &[Formula]) {
         Formula::And(conjuncts) => conjuncts.as_slice(),
         other => std::slice::from_ref(other),
     };
-    let leads_nowhere = |operator: &Operator| {
-        let changes_another = || operator.effects.iter().any(|effect| others.contains(&effect.literal));
-        let mut literals = conjuncts.iter().filter_map(|part| match part {
-            Formula::Literal(literal) => Some(*literal),
-            _ => None,
-        });
-        literals.any(|literal| breaks(operator, literal)) && !changes_another()
-    };
     let (without, removed): (Vec<Operator>, Vec<Operator>) = task
         .operators
         .iter()
         .cloned()
-        .partition(|operator| !leads_nowhere(operator));
+        .partition(|operator| !breaks_only(operator, conjuncts, &others));
     if removed.is_empty() {
         return;
     }
@@ -209,10 +201,40 @@ fn relaxed(initial: &[bool], operators: &[Operator], units: usize) -> (Vec<bool>
     (reached, applied)
 }
 
+/// Returns true if an operator always breaks one of the conjuncts and changes none of the other literals.
+fn breaks_only(operator: &Operator, conjuncts: &[Formula], others: &FxHashSet<Literal>) -> bool {
+    let mut literals = conjuncts.iter().filter_map(|part| match part {
+        Formula::Literal(literal) => Some(*literal),
+        _ => None,
+    });
+    literals.any(|literal| breaks(operator, literal))
+        && !operator.effects.iter().any(|effect| others.contains(&effect.literal))
+}
+
 /// Keeps the marked operators.
 fn keep(operators: &mut Vec<Operator>, marked: &[bool]) {
     let mut marks = marked.iter();
     operators.retain(|_| marks.next().is_some_and(|mark| *mark));
+}
+
+/// Replaces the facts of a formula that no operator changes by their values.
+fn evaluate(formula: &mut Formula, changes: &[bool], initial: &[bool]) {
+    let mut open = true;
+    formula.for_each(&mut |literal| open &= changes[literal.fact as usize]);
+    // Most formulas have no static fact and are not copied.
+    if open {
+        return;
+    }
+    *formula = std::mem::replace(formula, Formula::TRUE).map(&|literal| {
+        let fact = literal.fact as usize;
+        if changes[fact] {
+            Formula::Literal(literal)
+        } else if initial[fact] == literal.holds {
+            Formula::TRUE
+        } else {
+            Formula::FALSE
+        }
+    });
 }
 
 /// Replaces static facts by their values, and drops effects without an effect on the state.
@@ -224,24 +246,7 @@ fn simplify(task: &mut Task) {
         changes[fact] |= task.initial[fact] != effect.literal.holds;
     }
     let initial = &task.initial;
-    let literal = |literal: Literal| {
-        let fact = literal.fact as usize;
-        if changes[fact] {
-            Formula::Literal(literal)
-        } else if initial[fact] == literal.holds {
-            Formula::TRUE
-        } else {
-            Formula::FALSE
-        }
-    };
-    let take = |formula: &mut Formula| {
-        let mut open = true;
-        formula.for_each(&mut |literal| open &= changes[literal.fact as usize]);
-        // Most formulas have no static fact and are not copied.
-        if !open {
-            *formula = std::mem::replace(formula, Formula::TRUE).map(&literal);
-        }
-    };
+    let take = |formula: &mut Formula| evaluate(formula, &changes, initial);
     take(&mut task.goal);
     task.always.iter_mut().for_each(take);
     for operator in &mut task.operators {
@@ -388,7 +393,7 @@ impl<'a> Relevance<'a> {
 
     /// Returns true if the literal holds in the initial state and no kept operator deletes it.
     fn is_safe(&self, literal: Literal) -> bool {
-        let (takers, _) = &self.brought_about[index(opposite(literal))];
+        let (takers, _) = &self.brought_about[index(literal.opposite())];
         self.task.initial[literal.fact as usize] == literal.holds && takers.is_empty()
     }
 
@@ -424,7 +429,7 @@ impl<'a> Relevance<'a> {
 
     fn require_both(&mut self, literal: Literal) {
         self.require(literal);
-        self.require(opposite(literal));
+        self.require(literal.opposite());
     }
 
     fn require(&mut self, literal: Literal) {
@@ -444,7 +449,7 @@ impl<'a> Relevance<'a> {
     }
 
     fn expand(&mut self, literal: Literal) {
-        let (takers, looked_at) = &mut self.brought_about[index(opposite(literal))];
+        let (takers, looked_at) = &mut self.brought_about[index(literal.opposite())];
         let lost = self.task.initial[literal.fact as usize] != literal.holds || !takers.is_empty();
         let mut new = takers[std::mem::replace(looked_at, takers.len())..].to_vec();
         effort::spend(1 + new.len());
@@ -455,7 +460,7 @@ impl<'a> Relevance<'a> {
                 let mut literals = 0;
                 self.condition(taker).for_each(&mut |literal| {
                     literals += 1;
-                    self.require(opposite(literal));
+                    self.require(literal.opposite());
                 });
                 effort::spend(literals / 8);
             }
@@ -503,72 +508,74 @@ impl<'a> Relevance<'a> {
         for effect in &operator.effects {
             for alternatives in self
                 .relied_on
-                .remove(&index(opposite(effect.literal)))
+                .remove(&index(effect.literal.opposite()))
                 .unwrap_or_default()
             {
                 self.require_all(alternatives);
             }
-            if self.required[index(opposite(effect.literal))] {
-                self.queue.push_back(opposite(effect.literal));
+            if self.required[index(effect.literal.opposite())] {
+                self.queue.push_back(effect.literal.opposite());
             }
         }
     }
 }
 
-fn opposite(literal: Literal) -> Literal {
-    Literal {
-        fact: literal.fact,
-        holds: !literal.holds,
+/// New numbers of facts, without gaps, in the order of their first visits.
+struct Renumbering<'a> {
+    facts: &'a [bool],
+    /// By old number: the new one.
+    numbers: Vec<Option<u32>>,
+    /// By new number: the initial value.
+    initial: Vec<bool>,
+}
+
+impl Renumbering<'_> {
+    fn visit(&mut self, literal: Literal) {
+        let fact = literal.fact as usize;
+        if self.numbers[fact].is_none() {
+            self.numbers[fact] = Some(self.initial.len() as u32);
+            self.initial.push(self.facts[fact]);
+        }
+    }
+
+    fn visit_all(&mut self, formula: &Formula) {
+        formula.for_each(&mut |literal| self.visit(literal));
     }
 }
 
 /// Renumbers the remaining facts without gaps.
 fn renumber(mut task: Task) -> Task {
-    let mut numbers: Vec<Option<u32>> = vec![None; task.initial.len()];
-    let mut initial = Vec::new();
-    let facts = &task.initial;
-    let mut visit = |literal: Literal| {
-        numbers[literal.fact as usize].get_or_insert_with(|| {
-            initial.push(facts[literal.fact as usize]);
-            (initial.len() - 1) as u32
-        });
+    let facts = std::mem::take(&mut task.initial);
+    let mut again = Renumbering {
+        facts: &facts,
+        numbers: vec![None; facts.len()],
+        initial: Vec::new(),
     };
-    task.goal.for_each(&mut visit);
-    task.always.iter().for_each(|rule| rule.for_each(&mut visit));
+    again.visit_all(&task.goal);
+    task.always.iter().for_each(|rule| again.visit_all(rule));
     for operator in &task.operators {
-        operator.precondition.for_each(&mut visit);
+        again.visit_all(&operator.precondition);
         for effect in &operator.effects {
-            effect.condition.for_each(&mut visit);
-            visit(effect.literal);
+            again.visit_all(&effect.condition);
+            again.visit(effect.literal);
         }
     }
     // The conditions of changes of numbers on which a test depends may refer to further tests.
     while effort::spend(1) && !task.numbers.tests.is_empty() {
-        let before = initial.len();
-        let needed = task
-            .numbers
-            .needed(&task.operators, &|fact| numbers[fact as usize].is_some());
-        let mut visit = |literal: Literal| {
-            numbers[literal.fact as usize].get_or_insert_with(|| {
-                initial.push(facts[literal.fact as usize]);
-                (initial.len() - 1) as u32
-            });
-        };
+        let before = again.initial.len();
+        let is_kept = |fact: u32| again.numbers[fact as usize].is_some();
+        let needed = task.numbers.needed(&task.operators, &is_kept);
         let effects = task.operators.iter().flat_map(|operator| &operator.numeric);
         for effect in effects.filter(|effect| needed[effect.variable as usize]) {
-            effect.condition.for_each(&mut visit);
+            again.visit_all(&effect.condition);
         }
-        if initial.len() == before {
+        if again.initial.len() == before {
             break;
         }
     }
-    let fact = |fact: u32| numbers[fact as usize];
-    task.numbers.keep(&mut task.operators, fact);
-    let again = |literal: Literal| Literal {
-        fact: numbers[literal.fact as usize].unwrap_or_default(),
-        holds: literal.holds,
-    };
-    let renumber = &mut |literal: &mut Literal| *literal = again(*literal);
+    let Renumbering { numbers, initial, .. } = again;
+    task.numbers.keep(&mut task.operators, |fact| numbers[fact as usize]);
+    let renumber = &mut |literal: &mut Literal| literal.fact = numbers[literal.fact as usize].unwrap_or_default();
     task.goal.for_each_mut(renumber);
     task.always.iter_mut().for_each(|rule| rule.for_each_mut(renumber));
     for operator in &mut task.operators {

@@ -11,8 +11,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::Wanted;
 use longstep_model::effort;
 use longstep_model::model::{
-    Action, Atom, Bindings, Condition, Domain, EntityId, FunctionId, Moment, NumberTest, PredicateId, Term, TypeId,
-    When, World, broken_bindings, ever_candidates,
+    Action, Atom, Bindings, Condition, Domain, EntityId, FunctionId, Moment, NumberTest, PredicateId, Slot, Term,
+    TypeId, When, World, broken_bindings, ever_candidates,
 };
 use longstep_verify::verify::Milestone;
 
@@ -90,36 +90,39 @@ impl Scope {
 
     /// Returns an upper bound on the number of ground effects.
     fn effort(&self, world: &World) -> u64 {
-        let domain = world.domain();
-        let count = |kind: TypeId| self.of_kind(kind).len() as u64;
-        let product =
-            |kinds: &mut dyn Iterator<Item = TypeId>| kinds.fold(1, |all: u64, kind| all.saturating_mul(count(kind)));
-        let effort = |action: &Action| {
-            let parameters = action.parameters.iter().enumerate();
-            let choices = parameters.fold(1, |all: u64, (slot, parameter)| {
-                let choices = most_choices(world, &action.precondition, slot).map_or(u64::MAX, |most| most as u64);
-                all.saturating_mul(choices.min(count(parameter.kind)))
-            });
-            let effects = action.effects.iter().map(|effect| {
-                // A variable that must equal another term adds no instances.
-                product(
-                    &mut effect
-                        .forall
-                        .iter()
-                        .filter(|(slot, _)| !fixed(&effect.condition, *slot))
-                        .map(|(_, kind)| *kind),
-                )
-            });
-            let numeric = action.numeric.iter();
-            let numeric = numeric.map(|effect| product(&mut effect.forall.iter().map(|(_, kind)| *kind)));
-            choices.saturating_mul(effects.chain(numeric).fold(1, u64::saturating_add))
-        };
-        let actions = domain
-            .actions
-            .iter()
-            .zip(&self.actions)
-            .filter(|(_, matters)| **matters);
-        actions.map(|(action, _)| effort(action)).fold(0, u64::saturating_add)
+        let actions = world.domain().actions.iter().zip(&self.actions);
+        let actions = actions.filter(|(_, matters)| **matters);
+        actions
+            .map(|(action, _)| self.effort_of(world, action))
+            .fold(0, u64::saturating_add)
+    }
+
+    fn effort_of(&self, world: &World, action: &Action) -> u64 {
+        let parameters = action.parameters.iter().enumerate();
+        let choices = parameters.fold(1, |all: u64, (slot, parameter)| {
+            let choices = most_choices(world, &action.precondition, slot).map_or(u64::MAX, |most| most as u64);
+            all.saturating_mul(choices.min(self.count(parameter.kind)))
+        });
+        let effects = action.effects.iter().map(|effect| {
+            // A variable that must equal another term adds no instances.
+            let free = effect
+                .forall
+                .iter()
+                .filter(|(slot, _)| !fixed(&effect.condition, *slot));
+            self.instances(free)
+        });
+        let numeric = action.numeric.iter().map(|effect| self.instances(&effect.forall));
+        choices.saturating_mul(effects.chain(numeric).fold(1, u64::saturating_add))
+    }
+
+    /// Returns the number of instances of a quantifier over these variables.
+    fn instances<'v>(&self, variables: impl IntoIterator<Item = &'v (Slot, TypeId)>) -> u64 {
+        let variables = variables.into_iter();
+        variables.fold(1, |all: u64, (_, kind)| all.saturating_mul(self.count(*kind)))
+    }
+
+    fn count(&self, kind: TypeId) -> u64 {
+        self.of_kind(kind).len() as u64
     }
 }
 
@@ -127,32 +130,30 @@ impl Scope {
 /// they allow any.
 fn most_choices(world: &World, condition: &Condition, slot: usize) -> Option<usize> {
     let guards = condition.conjuncts().filter_map(|part| match part {
-        Condition::Atom { atom, holds: true, at }
-            if *at != When::Now || !world.domain().words(atom.predicate).fluent =>
-        {
-            Some((atom, *at))
-        }
+        Condition::Atom { atom, holds: true, at } if is_static(world, atom, *at) => Some((atom, *at)),
         _ => None,
     });
     let guards = guards.filter(|(atom, _)| atom.terms.contains(&Term::Variable(slot)));
-    let most = |(atom, at): (&Atom, When)| {
-        let is_bound = |term: &Term| !matches!(term, Term::Variable(variable) if *variable >= slot);
-        let bound: Vec<usize> = (0..atom.terms.len())
-            .filter(|place| is_bound(&atom.terms[*place]))
-            .collect();
-        let state = world.past(at).unwrap_or(&world.state);
-        let facts = state.of_predicate(atom.predicate);
-        effort::spend(1 + facts.len());
-        // The largest group bounds the choices without an enumeration of the earlier slots.
-        let mut counts: FxHashMap<Vec<EntityId>, usize> = FxHashMap::default();
-        for fact in facts {
-            *counts
-                .entry(bound.iter().map(|place| fact.argument(*place)).collect())
-                .or_default() += 1;
-        }
-        counts.into_values().max().unwrap_or(0)
-    };
-    guards.map(most).min()
+    guards.map(|(atom, at)| largest_group(world, atom, at, slot)).min()
+}
+
+/// Returns the largest number of facts of an atom that agree in the terms before the slot. It bounds the choices without an
+/// enumeration of the earlier slots.
+fn largest_group(world: &World, atom: &Atom, at: When, slot: usize) -> usize {
+    let is_bound = |term: &Term| !matches!(term, Term::Variable(variable) if *variable >= slot);
+    let bound: Vec<usize> = (0..atom.terms.len())
+        .filter(|place| is_bound(&atom.terms[*place]))
+        .collect();
+    let state = world.past(at).unwrap_or(&world.state);
+    let facts = state.of_predicate(atom.predicate);
+    effort::spend(1 + facts.len());
+    let mut counts: FxHashMap<Vec<EntityId>, usize> = FxHashMap::default();
+    for fact in facts {
+        *counts
+            .entry(bound.iter().map(|place| fact.argument(*place)).collect())
+            .or_default() += 1;
+    }
+    counts.into_values().max().unwrap_or(0)
 }
 
 /// Returns true if the condition requires the slot to equal some term.
@@ -330,6 +331,16 @@ impl Requirements {
     }
 }
 
+/// Returns true if no action changes the facts of an atom.
+fn is_static(world: &World, atom: &Atom, at: When) -> bool {
+    at != When::Now || !world.domain().words(atom.predicate).fluent
+}
+
+fn has_slot_below(atom: &Atom, limit: usize) -> bool {
+    let mut terms = atom.terms.iter();
+    terms.any(|term| matches!(term, Term::Variable(slot) if *slot < limit))
+}
+
 /// Adds the entities that an existential condition may be about, up to [`MANY`]. Nothing is known about the first `unbound`
 /// variables.
 fn named(
@@ -339,11 +350,7 @@ fn named(
     bindings: &mut Bindings,
     found: &mut FxHashSet<EntityId>,
 ) {
-    let is_unbound = |term: &Term| matches!(term, Term::Variable(slot) if *slot < unbound);
-    let unchanging = |atom: &Atom, at: When| {
-        let is_static = at != When::Now || !world.domain().words(atom.predicate).fluent;
-        is_static && !atom.terms.iter().any(is_unbound)
-    };
+    let unchanging = |atom: &Atom, at: When| is_static(world, atom, at) && !has_slot_below(atom, unbound);
     match condition {
         Condition::And(parts) | Condition::Or(parts) => {
             parts

@@ -35,23 +35,23 @@ impl Grounder<'_> {
             self.copying = index > 0;
             for Milestone { wanted, anew } in stage {
                 let done = self.extra(false);
-                let mut achieved = vec![is(done, false)];
-                achieved.extend(begun.map(|begun| is(begun, true)));
+                let mut achieved = vec![Formula::literal(done, false)];
+                achieved.extend(begun.map(|begun| Formula::literal(begun, true)));
                 if *anew {
                     let open = self.extra(false);
                     let not = wanted.condition.clone().complement();
                     begins.push(set(open, self.formula(&not, &mut wanted.bindings.clone())));
-                    achieved.push(is(open, true));
+                    achieved.push(Formula::literal(open, true));
                 }
                 achieved.push(self.formula(&wanted.condition, &mut wanted.bindings.clone()));
                 own.push(mark(Formula::and(achieved), vec![set(done, Formula::TRUE)]));
-                all.push(is(done, true));
+                all.push(Formula::literal(done, true));
             }
             self.copying = false;
             if let Some(begun) = begun {
                 begins.push(set(begun, Formula::TRUE));
                 // Only once: `open` records what is false when the stage begins, not what becomes false later.
-                marks.push(mark(Formula::and([is(begun, false), complete]), begins));
+                marks.push(mark(Formula::and([Formula::literal(begun, false), complete]), begins));
             }
             marks.extend(own);
             complete = Formula::and(all);
@@ -75,17 +75,14 @@ impl Grounder<'_> {
 
     /// Returns the effects of an effect that adds `fact` on the copies of that event.
     pub(super) fn copied(&self, condition: &Formula, fact: Fact) -> Vec<GroundEffect> {
-        let copy = |stage: &StageEvents| {
-            let number = stage.copies.get(&fact)?;
-            // Conditions refer to the state before the step: the step that completes a stage is no event of the next.
-            Some(set(*number, Formula::and([condition.clone(), is(stage.begun, true)])))
-        };
-        self.events.iter().filter_map(copy).collect()
+        let copies = self
+            .events
+            .iter()
+            .filter_map(|stage| Some((stage.begun, *stage.copies.get(&fact)?)));
+        // Conditions refer to the state before the step: the step that completes a stage is no event of the next.
+        let with_begun = |begun: u32| Formula::and([condition.clone(), Formula::literal(begun, true)]);
+        copies.map(|(begun, copy)| set(copy, with_begun(begun))).collect()
     }
-}
-
-fn is(fact: u32, holds: bool) -> Formula {
-    Formula::Literal(Literal { fact, holds })
 }
 
 fn set(fact: u32, condition: Formula) -> GroundEffect {

@@ -5,7 +5,7 @@ use rustc_hash::FxBuildHasher;
 
 use super::formula::Formula;
 use super::numbers::Numbers;
-use super::operator::{GroundEffect, Operator};
+use super::operator::Operator;
 
 /// A planning task.
 #[derive(Debug, Clone)]
@@ -70,13 +70,9 @@ impl Task {
 
     /// Returns the work units for visiting every condition and effect once.
     pub(super) fn units(&self) -> usize {
-        let effect = |effect: &GroundEffect| effect.condition.size();
-        let operator = |operator: &Operator| {
-            let effects: usize = operator.effects.iter().map(effect).sum();
-            operator.precondition.size() + effects + 4 * operator.numeric.len()
-        };
-        let all: usize = self.operators.iter().map(operator).sum();
-        (all + self.numbers.tests.len() + self.goal.size() + self.always.iter().map(Formula::size).sum::<usize>()) / 8
+        let operators: usize = self.operators.iter().map(Operator::size).sum();
+        (operators + self.numbers.tests.len() + self.goal.size() + self.always.iter().map(Formula::size).sum::<usize>())
+            / 8
             + 1
     }
 }

@@ -84,3 +84,37 @@ fn a_search_without_states_gives_up_and_says_so() {
     };
     assert_eq!(why, "no plan found in 0 states");
 }
+
+#[test]
+fn lower_bound_on_steps_is_not_a_cost() {
+    // Two detours lead to the lamp; that of more steps costs less.
+    let lamp = "(define (domain lamp) (:requirements :adl :action-costs) (:types place)
+      (:constants door hall stairs cellar lamp - place)
+      (:predicates (at ?p - place)) COSTS
+      (:action walk :parameters () :precondition (at door) :effect (and (at hall) (not (at door)) (increase (total-cost) 3)))
+      (:action descend :parameters () :precondition (at hall) :effect (and (at cellar) (not (at hall)) (increase (total-cost) 2)))
+      (:action cross :parameters () :precondition (at cellar) :effect (and (at lamp) (not (at cellar)) (increase (total-cost) 2)))
+      (:action climb :parameters () :precondition (at hall) :effect (and (at lamp) (not (at hall)) (increase (total-cost) 9))))";
+    let problem = "(define (problem p) (:domain lamp) (:init (at door)) (:goal (at lamp)))";
+    let priced = lamp.replace("COSTS", "(:functions (total-cost) - number)");
+    let plain = lamp.replace("COSTS", "").replace(" (increase (total-cost) 9)", "");
+    let plain = [2, 3].iter().fold(plain, |text, cost| {
+        text.replace(&format!(" (increase (total-cost) {cost})"), "")
+    });
+    for (text, expected) in [(&plain, (2, 2, None)), (&priced, (3, 0, Some("7".to_owned())))] {
+        let domain = domain::from_pddl("lamp.pddl", text).unwrap();
+        let problem = read_problem(&domain, "problem.pddl", problem).unwrap();
+        let outcome = solve(&problem.world, &Purpose::from(&problem), &Limits::default());
+        let Outcome::Solved {
+            worst,
+            shortest: true,
+            at_least,
+            cost,
+            ..
+        } = outcome
+        else {
+            panic!("{outcome:?}");
+        };
+        assert_eq!((worst, at_least, cost.map(|cost| cost.to_string())), expected);
+    }
+}

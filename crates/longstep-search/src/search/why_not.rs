@@ -88,27 +88,20 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
         ..purpose.clone()
     };
     let is_solved = |world: &World, purpose: &Purpose| matches!(solve(world, purpose, limits), Outcome::Solved { .. });
-    let without = |left_out: &dyn Fn(usize) -> bool| {
-        let mut free = world.clone();
-        let kept = world
-            .prohibitions()
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| !left_out(*index));
-        let kept: Vec<Prohibition> = kept.map(|(_, own)| own.clone()).collect();
-        free.set_prohibitions(kept);
-        free
-    };
     let mut why = WhyNot::default();
     let rules = world.prohibitions();
     // If the rules do not prevent a plan, this search saves one for each of them.
-    if !rules.is_empty() && is_solved(&without(&|_| true), purpose) {
-        // Each try copies the other rules.
-        let is_free =
-            |index: usize| effort::spend(RULE * rules.len()) && is_solved(&without(&|other| other == index), purpose);
-        // For a single rule, the search without all rules has already answered.
-        let prevents = |index: &usize| rules.len() == 1 || is_free(*index);
-        let single: Vec<usize> = (0..rules.len()).filter(prevents).collect();
+    if !rules.is_empty() && is_solved(&with_prohibitions(world, []), purpose) {
+        let mut single = Vec::new();
+        for index in 0..rules.len() {
+            let others = || rules[..index].iter().chain(&rules[index + 1..]);
+            // For a single rule, the search without all rules has already answered. Each try copies the other rules.
+            if rules.len() == 1
+                || effort::spend(RULE * rules.len()) && is_solved(&with_prohibitions(world, others()), purpose)
+            {
+                single.push(index);
+            }
+        }
         let which = if single.is_empty() {
             (0..rules.len()).collect()
         } else {
@@ -126,13 +119,15 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
         return why;
     }
     let conditions = conditions(purpose);
-    let alone = |wanted: &Wanted| Purpose {
-        wanted: vec![wanted.clone()],
-        ..unordered.clone()
-    };
     let count = conditions.len();
-    let outcomes = conditions.iter().map(|wanted| solve(world, &alone(wanted), limits));
-    let outcomes: Vec<Outcome> = outcomes.collect();
+    let mut outcomes = Vec::with_capacity(count);
+    for wanted in &conditions {
+        let alone = Purpose {
+            wanted: vec![wanted.clone()],
+            ..unordered.clone()
+        };
+        outcomes.push(solve(world, &alone, limits));
+    }
     // A search that gave up has neither reached the goal nor proven that nothing does.
     let is_impossible = |index: &usize| matches!(outcomes[*index], Outcome::ProvenUnsolvable { .. });
     why.goals = (0..count).filter(is_impossible).collect();
@@ -141,6 +136,13 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
     why.missing = first.and_then(|index| missing(world, &conditions[*index]));
     // A search without budget makes a goal look unreachable.
     if effort::is_exhausted() { WhyNot::default() } else { why }
+}
+
+/// Returns the world with these prohibitions in place of its own.
+fn with_prohibitions<'p>(world: &World, prohibitions: impl IntoIterator<Item = &'p Prohibition>) -> World {
+    let mut world = world.clone();
+    world.set_prohibitions(prohibitions.into_iter().cloned().collect::<Vec<_>>());
+    world
 }
 
 /// Returns the condition of each goal, whether or not it must last.
@@ -179,18 +181,10 @@ fn missing(world: &World, wanted: &Wanted) -> Option<Missing> {
     while let Some(literal) = open.iter().copied().find(|literal| !seen.contains(literal)) {
         last = Some(literal);
         seen.push(literal);
-        let needs = |operator: &Operator| {
-            let effects = operator.effects.iter().filter(|effect| effect.literal == literal);
-            let needs = effects.map(|effect| {
-                [
-                    lacking(&operator.precondition, &reached),
-                    lacking(&effect.condition, &reached),
-                ]
-                .concat()
-            });
-            needs.min_by_key(Vec::len)
-        };
-        match operators.iter().filter_map(needs).min_by_key(Vec::len) {
+        let needs = operators
+            .iter()
+            .filter_map(|operator| lacking_for(operator, literal, &reached));
+        match needs.min_by_key(Vec::len) {
             Some(needs) => open = needs,
             None => break,
         }
@@ -215,6 +209,15 @@ fn lacking(formula: &Formula, reached: &[bool]) -> Vec<Literal> {
             parts.min_by_key(Vec::len).unwrap_or_default()
         }
     }
+}
+
+/// Returns the fewest literals that an operator needs to achieve a literal and that are not reached; none if it does not
+/// achieve the literal.
+fn lacking_for(operator: &Operator, literal: Literal, reached: &[bool]) -> Option<Vec<Literal>> {
+    let effects = operator.effects.iter().filter(|effect| effect.literal == literal);
+    let conditions = effects.map(|effect| [&operator.precondition, &effect.condition]);
+    let needs = conditions.map(|conditions| conditions.map(|condition| lacking(condition, reached)).concat());
+    needs.min_by_key(Vec::len)
 }
 
 /// Returns a static part of a condition that is false, with the value that it would need.
@@ -250,11 +253,10 @@ fn prevented(world: &World, fact: Fact) -> Option<Missing> {
             for (parameter, fixed) in action.parameters.iter().zip(&arguments) {
                 let all = world.of_kind(parameter.kind);
                 let candidates = fixed.as_ref().map_or(all, std::slice::from_ref);
-                let longer = |choice: &Bindings| {
-                    let with = |entity: &EntityId| choice.iter().copied().chain([*entity]).collect::<Bindings>();
-                    candidates.iter().map(with).collect::<Vec<_>>()
-                };
-                choices = choices.iter().flat_map(longer).take(CHOICES).collect();
+                let longer = choices
+                    .iter()
+                    .flat_map(|choice| candidates.iter().map(move |entity| [&choice[..], &[*entity]].concat()));
+                choices = longer.take(CHOICES).collect();
             }
             for mut choice in choices {
                 if !effort::spend(action.parameters.len() + 1) {

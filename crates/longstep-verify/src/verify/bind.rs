@@ -5,17 +5,17 @@
 //! final state differs least from the claims. Between equal bindings, entities that the step's explanation mentions
 //! come first. Arguments that are still ambiguous are listed as assumptions.
 
-use rustc_hash::FxHashSet;
+use std::collections::hash_map::Entry;
 
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::candidate::{candidates, claimed_places, explanation_words};
 use super::rules::{breaks_a_rule, broken_rules_at_end};
 use super::{Assumption, Missing, Violation, apply, unmet};
-use crate::plan::claims::split_claims;
 use crate::plan::{DraftStep, Plan, Step};
 use longstep_model::effort;
 use longstep_model::environment::Claim;
-use longstep_model::model::{
-    Action, ChangedLists, Difference, Domain, EntityId, Fact, State, World, ground, plain_words, singular,
-};
+use longstep_model::model::{Action, ChangedLists, Difference, Domain, EntityId, Fact, State, World, ground};
 
 /// Maximum number of visited states; then the best binding so far is used.
 const LIMIT: usize = 20_000;
@@ -39,6 +39,25 @@ pub(super) struct Turn {
     pub(super) claims: Vec<Fact>,
     /// Facts that the path assumes to be known after the step.
     pub(super) learned: Vec<Learned>,
+}
+
+impl Turn {
+    /// Returns true for a sensing step with an implicit argument.
+    fn is_open_look(&self, domain: &Domain) -> bool {
+        let Self { step, .. } = self;
+        !domain.action(step.action).senses.is_empty() && step.arguments.contains(&None)
+    }
+}
+
+impl From<DraftStep> for Turn {
+    /// The step without claims and assumptions.
+    fn from(step: DraftStep) -> Self {
+        Self {
+            step,
+            claims: Vec::new(),
+            learned: Vec::new(),
+        }
+    }
 }
 
 /// An assumption of an execution path about a condition.
@@ -85,12 +104,7 @@ pub struct Bound {
 
 /// Binds implicit arguments up to the first step that no entity fits.
 pub fn bind_as_far(world: &World, steps: &[DraftStep], objects: &[EntityId], claim: Option<&Claim>) -> Bound {
-    let turn = |step: &DraftStep| Turn {
-        step: step.clone(),
-        claims: Vec::new(),
-        learned: Vec::new(),
-    };
-    let turns: Vec<Turn> = steps.iter().map(turn).collect();
+    let turns: Vec<Turn> = steps.iter().cloned().map(Turn::from).collect();
     let WayArguments {
         arguments,
         assumptions,
@@ -141,7 +155,6 @@ pub(super) fn bind_path(
     objects: &[EntityId],
     claim: Option<&Claim>,
 ) -> WayArguments {
-    let domain = world.domain();
     let given = |turn: &Turn| turn.step.arguments.iter().copied().collect::<Option<Vec<EntityId>>>();
     if let Some(arguments) = turns.iter().map(given).collect() {
         return WayArguments {
@@ -149,20 +162,7 @@ pub(super) fn bind_path(
             ..WayArguments::default()
         };
     }
-    let mut binder = Binder {
-        domain,
-        world,
-        claim,
-        start,
-        turns,
-        candidates: Vec::new(),
-        seen: FxHashSet::default(),
-        most: LIMIT,
-        best: None,
-        deepest: Vec::new(),
-        chosen: Vec::new(),
-        broken: 0,
-    };
+    let mut binder = Binder::new(world, start, turns, claim);
     let found = effort::within(WAY, || {
         binder.list_candidates(objects);
         if turns.len() <= LONGEST {
@@ -200,103 +200,17 @@ pub(super) fn bound(world: &World, step: &DraftStep, arguments: Vec<EntityId>) -
     bound
 }
 
-/// Complete arguments of a step.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Candidate {
-    /// One entity for each parameter.
-    pub arguments: Vec<EntityId>,
-    /// True if the step's explanation mentions a different entity for an implicit argument.
-    pub mismatch: bool,
-}
-
-/// Returns all candidate arguments of a step, the most likely first: entities that the explanation mentions, then the
-/// places where the plan claims the objects to be.
-pub fn candidates(
-    world: &World,
-    step: &DraftStep,
-    objects: &[EntityId],
-    claimed_places: &FxHashSet<EntityId>,
-) -> Vec<Candidate> {
-    let action = world.domain().action(step.action);
-    let words = explanation_words(step);
-    let handled: FxHashSet<EntityId> = objects.iter().copied().collect();
-    let mut all = vec![Candidate {
-        arguments: Vec::new(),
-        mismatch: false,
-    }];
-    for (index, parameter) in action.parameters.iter().enumerate() {
-        let open = world.of_kind(parameter.kind);
-        let fitting: Vec<(EntityId, bool)> = match step.arguments[index] {
-            Some(entity) => vec![(entity, false)],
-            None if action.object == Some(index) && !objects.is_empty() => {
-                let named = |object: &EntityId| world.entity(*object).words_in(&words);
-                let fits = objects
-                    .iter()
-                    .filter(|object| world.is_of_kind(**object, parameter.kind));
-                let mut handled: Vec<(EntityId, usize)> = fits.map(|object| (*object, named(object))).collect();
-                effort::spend(handled.len() * (1 + words.len()));
-                // The object that the explanation mentions most comes first; another one may only be part of a place
-                // name.
-                handled.sort_by_key(|(_, named)| std::cmp::Reverse(*named));
-                let best = handled.first().map_or(0, |(_, named)| *named);
-                handled
-                    .into_iter()
-                    .map(|(object, named)| (object, named < best))
-                    .collect()
-            }
-            None => {
-                // Explanations mention the handled object, but it is not its own place.
-                let is_handled = |entity: &EntityId| action.object.is_some() && handled.contains(entity);
-                let mentioned = |entity: EntityId| {
-                    if is_handled(&entity) {
-                        0
-                    } else {
-                        world.entity(entity).words_in(&words)
-                    }
-                };
-                effort::spend(open.len() * (1 + words.len()));
-                let mut ranked: Vec<(EntityId, usize)> = open.iter().map(|e| (*e, mentioned(*e))).collect();
-                ranked.sort_by_key(|(entity, mentioned)| {
-                    let itself = is_handled(entity);
-                    (
-                        itself,
-                        std::cmp::Reverse(*mentioned),
-                        !claimed_places.contains(entity),
-                        *entity,
-                    )
-                });
-                let best = ranked.iter().map(|(_, mentioned)| *mentioned).max().unwrap_or(0);
-                ranked.into_iter().map(|(e, mentioned)| (e, mentioned < best)).collect()
-            }
-        };
-        let longer = |candidate: &Candidate| {
-            fitting
-                .iter()
-                .map(|(entity, mismatch)| Candidate {
-                    arguments: [&candidate.arguments[..], &[*entity]].concat(),
-                    mismatch: candidate.mismatch || *mismatch,
-                })
-                .collect::<Vec<_>>()
-        };
-        // All candidates stay in memory until the plan is bound.
-        if !effort::spend(2 * effort::KEPT * all.len().saturating_mul(fitting.len())) {
-            return Vec::new();
-        }
-        all = all.iter().flat_map(longer).collect();
-    }
-    all
-}
-
-/// Returns the entities in newly claimed facts about the objects.
-pub fn claimed_places(world: &World, claim: Option<&Claim>, objects: &[EntityId]) -> FxHashSet<EntityId> {
-    let domain = world.domain();
-    let mut places = FxHashSet::default();
-    for fact in claim.map_or_else(Vec::new, |claim| claim.promises(world)) {
-        if domain.arguments(fact).any(|entity| objects.contains(&entity)) {
-            places.extend(domain.arguments(fact));
-        }
-    }
-    places
+/// All that the rest of a path depends on: bindings that reach equal nodes can be continued by the same arguments, and
+/// then break the same claims and reach the same final state.
+#[derive(PartialEq, Eq, Hash)]
+struct BindingNode {
+    /// Number of bound steps.
+    depth: usize,
+    /// Changes since the start state.
+    changed: ChangedLists,
+    /// For each assumption in [`Binder::assumed`] that is still to come: the fact that decides it and that an earlier step
+    /// has sensed. Sensing itself leaves no trace in the state.
+    sensed: Vec<Option<Fact>>,
 }
 
 struct Binder<'a> {
@@ -307,9 +221,16 @@ struct Binder<'a> {
     turns: &'a [Turn],
     /// Candidate arguments of each step, the most likely first.
     candidates: Vec<Vec<Vec<EntityId>>>,
-    /// Visited search nodes: the step number, and the changes since the start state.
-    seen: FxHashSet<(usize, ChangedLists)>,
-    /// Maximum number of visited states.
+    /// The sensing steps with implicit arguments, by their place on the path.
+    looks: Vec<usize>,
+    /// The assumptions of the path that may depend on the arguments of `looks`, each with the place of the step that it
+    /// follows, in order.
+    assumed: Vec<(usize, &'a Learned)>,
+    /// The visited nodes, each with the least number of broken claims before it.
+    seen: FxHashMap<BindingNode, usize>,
+    /// Number of visits to nodes.
+    visits: usize,
+    /// Maximum number of visits.
     most: usize,
     /// The best executable binding and its distance: differences from the claim plus broken rules for the final state.
     best: Option<(usize, Vec<Vec<EntityId>>)>,
@@ -320,7 +241,43 @@ struct Binder<'a> {
     broken: usize,
 }
 
-impl Binder<'_> {
+impl<'a> Binder<'a> {
+    fn new(world: &'a World, start: &'a State, turns: &'a [Turn], claim: Option<&'a Claim>) -> Self {
+        let domain = world.domain();
+        let looks = turns.iter().enumerate().filter(|(_, turn)| turn.is_open_look(domain));
+        let looks: Vec<usize> = looks.map(|(place, _)| place).collect();
+        let mut assumed = Vec::new();
+        for (place, turn) in turns.iter().enumerate() {
+            let earlier = &looks[..looks.partition_point(|look| *look < place)];
+            for learned in &turn.learned {
+                let may_depend = match learned {
+                    Learned::Outcome(look, _) => earlier.binary_search(look).is_ok(),
+                    Learned::Fact(fact, _) => !earlier.is_empty() && domain.is_sensed(fact.predicate()),
+                };
+                if may_depend {
+                    assumed.push((place, learned));
+                }
+            }
+        }
+        Self {
+            domain,
+            world,
+            claim,
+            start,
+            turns,
+            candidates: Vec::new(),
+            looks,
+            assumed,
+            seen: FxHashMap::default(),
+            visits: 0,
+            most: LIMIT,
+            best: None,
+            deepest: Vec::new(),
+            chosen: Vec::new(),
+            broken: 0,
+        }
+    }
+
     fn list_candidates(&mut self, objects: &[EntityId]) {
         let (domain, world) = (self.domain, self.world);
         let mut places = claimed_places(world, self.claim, objects);
@@ -330,11 +287,10 @@ impl Binder<'_> {
                 places.extend(domain.arguments(*fact));
             }
         }
-        let complete = |turn: &Turn| {
+        for turn in self.turns {
             let all = candidates(world, &turn.step, objects, &places).into_iter();
-            all.map(|candidate| candidate.arguments).collect()
-        };
-        self.candidates = self.turns.iter().map(complete).collect();
+            self.candidates.push(all.map(|candidate| candidate.arguments).collect());
+        }
     }
 
     fn claimed_differences(&self, state: &State) -> Vec<Difference> {
@@ -393,13 +349,58 @@ impl Binder<'_> {
         })
     }
 
+    /// Notes a visit to the node that the chosen arguments lead to. Returns false if another binding has led there with as
+    /// few broken claims, so that no binding from here on is better than those that were looked at from there.
+    fn visit(&mut self, state: &State) -> bool {
+        let node = BindingNode {
+            depth: self.chosen.len(),
+            changed: state.changed_lists(self.start),
+            sensed: self.sensed(),
+        };
+        match self.seen.entry(node) {
+            Entry::Occupied(known) if *known.get() <= self.broken => return false,
+            Entry::Occupied(mut known) => {
+                known.insert(self.broken);
+            }
+            Entry::Vacant(new) => {
+                new.insert(self.broken);
+            }
+        }
+        self.visits += 1;
+        true
+    }
+
+    /// Returns, for each assumption that is still to come, the fact that decides it and that an earlier step has sensed.
+    fn sensed(&self) -> Vec<Option<Fact>> {
+        let depth = self.chosen.len();
+        let assumed = &self.assumed[self.assumed.partition_point(|(place, _)| *place < depth)..];
+        if assumed.is_empty() {
+            return Vec::new();
+        }
+        let looks = &self.looks[..self.looks.partition_point(|look| *look < depth)];
+        effort::spend(assumed.len() + looks.len());
+        let sensed: FxHashSet<Fact> = looks.iter().flat_map(|look| self.outcomes(*look)).collect();
+        let deciding = assumed.iter().map(|(_, learned)| match *learned {
+            Learned::Outcome(look, _) if *look < depth => self.outcomes(*look).next(),
+            Learned::Fact(fact, _) if sensed.contains(fact) => Some(*fact),
+            Learned::Outcome(..) | Learned::Fact(..) => None,
+        });
+        deciding.collect()
+    }
+
+    /// Returns the possible outcomes of a sensing step with the chosen arguments.
+    fn outcomes(&self, look: usize) -> impl Iterator<Item = Fact> {
+        let atoms = self.action(look).senses.iter();
+        atoms.map(move |atom| ground(atom, &self.chosen[look]))
+    }
+
     fn descend(&mut self, state: &State) {
         let depth = self.chosen.len();
         let best = self.best.as_ref().map(|(distance, _)| *distance);
         // Broken claims of steps count in the final distance, so this branch cannot beat the best binding.
         let hopeless = best.is_some_and(|best| best == 0 || (self.broken > 0 && self.broken >= best));
-        let stopped = self.seen.len() >= self.most || effort::is_exhausted();
-        if stopped || hopeless || !self.seen.insert((depth, state.changed_lists(self.start))) {
+        let stopped = self.visits >= self.most || effort::is_exhausted();
+        if stopped || hopeless || !self.visit(state) {
             return;
         }
         if depth > self.deepest.len() {
@@ -408,7 +409,7 @@ impl Binder<'_> {
         if depth == self.candidates.len() {
             let claimed = self.broken + self.claimed_differences(state).len();
             if claimed == 0 {
-                self.most = self.most.min(self.seen.len() + AFTER);
+                self.most = self.most.min(self.visits + AFTER);
             }
             let distance = claimed + broken_rules_at_end(self.world, state);
             if best.is_none_or(|best| distance < best) {
@@ -446,20 +447,22 @@ impl Binder<'_> {
         let mut state = self.start.clone();
         let mut way: Vec<Vec<EntityId>> = Vec::new();
         for (depth, candidates) in self.candidates.iter().enumerate() {
-            let arguments = self.deepest.get(depth).cloned().or_else(|| {
-                let lacking = |arguments: &&Vec<EntityId>| {
-                    let missing = self.lacks(depth, &state, arguments);
-                    let impossible = missing.iter().any(Missing::is_impossible);
-                    let broken = self.advance(&mut state.clone(), &way, arguments);
-                    (impossible, broken, missing.len())
-                };
-                candidates.iter().min_by_key(lacking).cloned()
-            });
+            let best = || candidates.iter().min_by_key(|own| self.shortfall(&state, &way, own));
+            let arguments = self.deepest.get(depth).or_else(best).cloned();
             let Some(arguments) = arguments else { break };
             self.advance(&mut state, &way, &arguments);
             way.push(arguments);
         }
         way
+    }
+
+    /// Returns how badly arguments fit the step after those of `way`: true if it is never applicable with them, and the numbers of
+    /// broken claims and of missing preconditions.
+    fn shortfall(&self, state: &State, way: &[Vec<EntityId>], arguments: &[EntityId]) -> (bool, usize, usize) {
+        let missing = self.lacks(way.len(), state, arguments);
+        let impossible = missing.iter().any(Missing::is_impossible);
+        let broken = self.advance(&mut state.clone(), way, arguments);
+        (impossible, broken, missing.len())
     }
 
     /// Returns the ambiguous arguments: another value would fit the claims equally well. Arguments count as ambiguous
@@ -479,11 +482,8 @@ impl Binder<'_> {
                     continue;
                 }
                 effort::spend(self.candidates[index].len());
-                let mut others = self.candidates[index].iter().filter(|other| {
-                    let differs =
-                        |(at, entity): (usize, &EntityId)| (*entity != chosen[index][at]) == (at == parameter);
-                    other.iter().enumerate().all(differs)
-                });
+                let others = self.candidates[index].iter();
+                let mut others = others.filter(|other| differ_only_in(parameter, &chosen[index], other));
                 if others.any(|other| effort::is_exhausted() || self.fits_as_well(chosen, &along, index, other)) {
                     open.push(Assumption::Argument {
                         step: index,
@@ -519,11 +519,8 @@ impl Binder<'_> {
         index: usize,
         other: &[EntityId],
     ) -> bool {
-        let outcome_of_it = |learned: &Learned| matches!(learned, Learned::Outcome(place, _) if *place == index);
-        let last_use = self
-            .turns
-            .iter()
-            .rposition(|turn| turn.learned.iter().any(outcome_of_it));
+        let depends = |learned: &Learned| self.may_depend(learned, index);
+        let last_use = self.turns.iter().rposition(|turn| turn.learned.iter().any(depends));
         let mut changed = chosen[..=index].to_vec();
         changed[index] = other.to_vec();
         let (mut state, mut broken) = along[index].clone();
@@ -542,17 +539,28 @@ impl Binder<'_> {
                 return broken == *known;
             }
         }
-        let differences =
-            |state: &State| self.claimed_differences(state).len() + broken_rules_at_end(self.world, state);
         let (end, known) = &along[chosen.len()];
-        broken + differences(&state) == known + differences(end)
+        broken + self.distance(&state) == known + self.distance(end)
+    }
+
+    /// Returns true if the arguments of a step may decide whether an assumption is right.
+    fn may_depend(&self, learned: &Learned, step: usize) -> bool {
+        match learned {
+            Learned::Outcome(place, _) => *place == step,
+            Learned::Fact(fact, _) => !self.action(step).senses.is_empty() && self.domain.is_sensed(fact.predicate()),
+        }
+    }
+
+    /// Returns the number of differences between a final state and the claim, plus the number of rules that it breaks.
+    fn distance(&self, end: &State) -> usize {
+        self.claimed_differences(end).len() + broken_rules_at_end(self.world, end)
     }
 }
 
-/// Returns the words of a step's explanation, in singular form.
-fn explanation_words(step: &DraftStep) -> Vec<String> {
-    let sentence = split_claims(&step.explanation).sentence;
-    plain_words(sentence).iter().map(|word| singular(word)).collect()
+/// Returns true if arguments differ in this place and in no other one.
+fn differ_only_in(place: usize, one: &[EntityId], other: &[EntityId]) -> bool {
+    let mut pairs = one.iter().zip(other).enumerate();
+    pairs.all(|(at, (one, other))| (one == other) == (at != place))
 }
 
 /// Sets a sensing outcome in the state, with its alternatives; other facts are left as simulated.

@@ -100,11 +100,7 @@ fn bind_paths(
     }
     let left_over = |index: &usize| steps[*index].arguments.iter().any(Option::is_none);
     for index in (0..steps.len()).filter(left_over).collect::<Vec<_>>() {
-        let turn = Turn {
-            step: steps[index].clone(),
-            claims: Vec::new(),
-            learned: Vec::new(),
-        };
+        let turn = Turn::from(steps[index].clone());
         let found = bind_path(world, &world.state, &[turn], &resolved.objects, claim);
         if found.exhausted {
             return false;
@@ -134,14 +130,16 @@ impl BoundPath {
     }
 
     fn turns(&self, steps: &[DraftStep], resolved: &Resolved) -> Vec<Turn> {
-        let turn = |(id, learned): (&StepId, &Vec<Learned>)| Turn {
-            step: steps[id.index()].clone(),
-            claims: claims::of_step(&resolved.claims, id.index())
-                .map(|claim| claim.fact)
-                .collect(),
-            learned: learned.clone(),
-        };
-        self.steps.iter().zip(&self.learned).map(turn).collect()
+        let mut turns = Vec::with_capacity(self.steps.len());
+        for (id, learned) in self.steps.iter().zip(&self.learned) {
+            let claims = claims::of_step(&resolved.claims, id.index());
+            turns.push(Turn {
+                step: steps[id.index()].clone(),
+                claims: claims.map(|claim| claim.fact).collect(),
+                learned: learned.clone(),
+            });
+        }
+        turns
     }
 }
 
@@ -205,10 +203,7 @@ impl Chooser<'_> {
     /// Decides which branch the path takes: true for `then`.
     fn choose(&self, condition: &Test, then: &[Node], otherwise: &[Node]) -> bool {
         effort::spend(self.decided.len() + tree::steps(then).chain(tree::steps(otherwise)).count());
-        let leads = |nodes: &[Node]| {
-            self.target
-                .is_some_and(|target| tree::steps(nodes).any(|step| step == target))
-        };
+        let leads = |nodes: &[Node]| tree::steps(nodes).any(|step| Some(step) == self.target);
         let news = |nodes: &[Node]| tree::steps(nodes).any(|step| !self.done[step.index()]);
         if leads(then) || leads(otherwise) {
             return leads(then);
@@ -218,22 +213,24 @@ impl Chooser<'_> {
 
     /// Returns the value of the condition that follows from the assumptions of this path.
     fn known(&self, test: &Test) -> Option<bool> {
-        let parts = |parts: &[Test], until: bool| {
-            let known: Vec<Option<bool>> = parts.iter().map(|part| self.known(part)).collect();
-            if known.contains(&Some(until)) {
-                Some(until)
-            } else {
-                known.iter().all(Option::is_some).then_some(!until)
-            }
-        };
         match test {
             Test::Sense(_) | Test::Holds(_) => {
                 let same = |(other, _): &&(Test, bool)| self.same(other, test);
                 self.decided.iter().rev().find(same).map(|(_, holds)| *holds)
             }
             Test::Not(inner) => self.known(inner).map(|holds| !holds),
-            Test::All(all) => parts(all, false),
-            Test::Any(any) => parts(any, true),
+            Test::All(all) => self.known_parts(all, false),
+            Test::Any(any) => self.known_parts(any, true),
+        }
+    }
+
+    /// Returns the value of several parts, which one part with the value `decisive` decides.
+    fn known_parts(&self, parts: &[Test], decisive: bool) -> Option<bool> {
+        let known: Vec<Option<bool>> = parts.iter().map(|part| self.known(part)).collect();
+        if known.contains(&Some(decisive)) {
+            Some(decisive)
+        } else {
+            known.iter().all(Option::is_some).then_some(!decisive)
         }
     }
 

@@ -65,11 +65,10 @@ pub(super) fn joined(found: Vec<Finding>, count: Option<usize>) -> Vec<Finding> 
         }
         *times += 1;
     }
-    let plain = |(mut found, times): (Finding, usize)| {
-        if count == Some(times) {
+    for (found, times) in &mut together {
+        if count == Some(*times) {
             found.when.clear();
         }
-        found
-    };
-    together.into_iter().map(plain).collect()
+    }
+    together.into_iter().map(|(found, _)| found).collect()
 }

@@ -11,7 +11,7 @@ use super::path::ExecutionPath;
 use super::walk::{STATES, Walk};
 use crate::plan::{Lane, LaneItem, StepId};
 use longstep_model::effort;
-use longstep_model::model::{EntityId, Fluent, Number, State};
+use longstep_model::model::{EntityId, Fact, Fluent, Number, State};
 
 impl Walk<'_> {
     /// Checks lanes without simulation: each lane has its own actor, who executes all its steps, and no step senses.
@@ -81,9 +81,9 @@ impl Walk<'_> {
             return known.push(path);
         };
         self.same_state(first.clone(), &path);
-        let progress = self.progress_of(&path);
         effort::spend(known.len());
-        if known.iter().any(|known| self.progress_of(known) == progress) {
+        let is_equal = |known: &ExecutionPath| self.progress_of(known).eq(self.progress_of(&path));
+        if known.iter().any(is_equal) {
             return;
         }
         // A path that is neither followed nor refused would be one that nobody has checked.
@@ -129,9 +129,7 @@ impl Walk<'_> {
             return;
         }
         let last = |path: &ExecutionPath| self.history.back(path.here).next().map(|(step, _)| step.index());
-        let differs =
-            |one: &ExecutionPath, other: &ExecutionPath| one.state.iter().find(|fact| !other.state.holds(*fact));
-        let fact = differs(&one, &other).or_else(|| differs(&other, &one));
+        let fact = fact_only_in(&one.state, &other.state).or_else(|| fact_only_in(&other.state, &one.state));
         let (Some(step), Some(second)) = (last(&one), last(&other)) else {
             return;
         };
@@ -155,13 +153,20 @@ impl Walk<'_> {
     }
 }
 
+/// Returns the first fact that holds in one state and not in the other one.
+fn fact_only_in(one: &State, other: &State) -> Option<Fact> {
+    one.iter().find(|fact| !other.holds(*fact))
+}
+
 /// Returns the first fluent with different numbers in two states.
 fn different_number(one: &State, other: &State) -> Option<Fluent> {
-    let differs = |one: &State, other: &State| {
-        let differs = |(fluent, number): &&(Fluent, Number)| other.number(*fluent) != Some(*number);
-        one.numbers().iter().find(differs).map(|(fluent, _)| *fluent)
-    };
-    differs(one, other).or_else(|| differs(other, one))
+    number_only_in(one, other).or_else(|| number_only_in(other, one))
+}
+
+/// Returns the first fluent with a number in one state that it does not have in the other one.
+fn number_only_in(one: &State, other: &State) -> Option<Fluent> {
+    let differs = |(fluent, number): &&(Fluent, Number)| other.number(*fluent) != Some(*number);
+    one.numbers().iter().find(differs).map(|(fluent, _)| *fluent)
 }
 
 /// Returns the lanes that can go on from these positions: each lane with a step alone, lanes that meet at a

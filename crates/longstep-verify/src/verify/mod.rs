@@ -5,6 +5,7 @@
 
 mod bind;
 mod bind_tree;
+mod candidate;
 mod claims;
 mod finding;
 mod history;
@@ -18,8 +19,9 @@ mod stage_tracker;
 pub(crate) mod tests;
 mod walk;
 
-pub use bind::{Candidate, bind, bind_as_far, candidates, claimed_places};
+pub use bind::{bind, bind_as_far};
 pub use bind_tree::bind_tree;
+pub use candidate::{Candidate, candidates, claimed_places};
 pub use reachability::{can_apply, can_be_brought_about, possibly};
 use rules::wanted_at_end;
 pub use rules::{Waiver, broken_at_end};
@@ -290,11 +292,10 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
     let binding = claimed.map_or_else(Vec::new, |claim| binding_claims(world, &plan, claim));
     let numbers = claimed.map_or_else(Vec::new, |claim| claim.promised_numbers(world));
     let differs = |path: &ExecutionPath, (fluent, number): (Fluent, Number)| path.state.number(fluent) != Some(number);
-    let kept = |path: &ExecutionPath| {
-        binding.iter().all(|fact| path.state.holds(*fact)) && !numbers.iter().any(|number| differs(path, *number))
-    };
+    let keeps_facts = |path: &ExecutionPath| binding.iter().all(|fact| path.state.holds(*fact));
+    let keeps_numbers = |path: &ExecutionPath| !numbers.iter().any(|number| differs(path, *number));
     // One ending keeps all claims. To take each claim from another ending would be unsound.
-    let as_claimed = claimed.and_then(|_| ends.iter().position(kept));
+    let as_claimed = claimed.and_then(|_| ends.iter().position(|path| keeps_facts(path) && keeps_numbers(path)));
     let endings = walk.each(ends, |walk, mut path| {
         end(walk, &path, purpose);
         walk.forget_progress(&mut path);
@@ -321,10 +322,8 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
     });
     let mut rested: Vec<Fact> = std::mem::take(&mut walk.rested).into_iter().collect();
     rested.sort_unstable();
-    let assumption = |fact: Fact| {
-        let ground = world.assumed(fact)?;
-        Some(Assumption::Fact { fact, ground })
-    };
+    let assumed = rested.into_iter().filter_map(|fact| Some((fact, world.assumed(fact)?)));
+    let assumptions = assumed.map(|(fact, ground)| Assumption::Fact { fact, ground });
     let (violations, warnings) = walk.findings();
     Report {
         world: world.clone(),
@@ -332,7 +331,7 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
         claimed: as_claimed,
         violations,
         warnings,
-        assumptions: rested.into_iter().filter_map(assumption).collect(),
+        assumptions: assumptions.collect(),
         plan,
     }
 }

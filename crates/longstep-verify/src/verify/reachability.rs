@@ -16,22 +16,25 @@ pub fn possibly(world: &World, condition: &Condition, bindings: &mut Bindings) -
     match condition {
         Condition::And(parts) => parts.iter().all(|part| possibly(world, part, bindings)),
         Condition::Or(parts) => parts.iter().any(|part| possibly(world, part, bindings)),
-        Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
-            let mut instance = |entity: &EntityId| {
-                bindings.push(*entity);
-                let possible = possibly(world, inner, bindings);
-                bindings.pop();
-                possible
-            };
-            let all = world.of_kind(*kind);
-            match condition {
-                Condition::Forall(..) => all.iter().all(&mut instance),
-                _ => all.iter().any(&mut instance),
-            }
+        Condition::Forall(_, kind, inner) => {
+            let mut all = world.of_kind(*kind).iter();
+            all.all(|entity| possibly_for(world, inner, *entity, bindings))
+        }
+        Condition::Exists(_, kind, inner) => {
+            let mut all = world.of_kind(*kind).iter();
+            all.any(|entity| possibly_for(world, inner, *entity, bindings))
         }
         // Parts are judged one by one, so the answer may be true although no state satisfies all of them.
         literal => static_value(world, literal, bindings).unwrap_or(true),
     }
+}
+
+/// Returns true if a condition can hold with the entity in its next slot.
+fn possibly_for(world: &World, condition: &Condition, entity: EntityId, bindings: &mut Bindings) -> bool {
+    bindings.push(entity);
+    let possible = possibly(world, condition, bindings);
+    bindings.pop();
+    possible
 }
 
 /// Returns true if the action with these arguments may be applicable in some state of this world.
@@ -82,10 +85,8 @@ impl Maker<'_> {
     fn some_arguments(&self, arguments: &mut Vec<EntityId>) -> bool {
         let (domain, world) = (self.domain, self.world);
         let parameters = domain.action(self.action).parameters.len();
-        let possible = |arguments: &[EntityId]| {
-            world.forbids(self.action, arguments).is_none() && can_apply(world, self.action, arguments)
-        };
-        if arguments.len() == parameters && !possible(arguments) {
+        let is_forbidden = |arguments: &[EntityId]| world.forbids(self.action, arguments).is_some();
+        if arguments.len() == parameters && (is_forbidden(arguments) || !can_apply(world, self.action, arguments)) {
             return false;
         }
         let Some((kind, fixed)) = self.slots.get(arguments.len()) else {

@@ -41,17 +41,19 @@ impl<'a> StageTracker<'a> {
         events.retain(|predicate| domain.words(*predicate).event);
         let predicates = domain.predicates.len();
         let flag = |number: usize| Fact::new(PredicateId::new(predicates), [EntityId::new(number)]);
-        let mut milestones = 0;
-        let mut condition = |milestone: &'a Milestone| {
-            milestones += 1;
-            StageCondition {
-                wanted: &milestone.wanted,
-                done: flag(2 * milestones),
-                open: milestone.anew.then(|| flag(2 * milestones + 1)),
+        let (mut stages, mut milestones) = (Vec::new(), 0);
+        for stage in &purpose.stages {
+            let mut conditions = Vec::with_capacity(stage.len());
+            for Milestone { wanted, anew } in stage {
+                milestones += 1;
+                conditions.push(StageCondition {
+                    wanted,
+                    done: flag(2 * milestones),
+                    open: anew.then(|| flag(2 * milestones + 1)),
+                });
             }
-        };
-        let stages = purpose.stages.iter();
-        let stages = stages.map(|stage| stage.iter().map(&mut condition).collect()).collect();
+            stages.push(conditions);
+        }
         Self {
             stages,
             events,

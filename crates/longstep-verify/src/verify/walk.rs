@@ -256,8 +256,8 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns the progress in the state of a path.
-    pub(super) fn progress_of(&self, path: &ExecutionPath) -> Vec<Fact> {
-        path.state.iter_from(self.domain.predicates.len()).collect()
+    pub(super) fn progress_of<'p>(&self, path: &'p ExecutionPath) -> impl Iterator<Item = Fact> + use<'p> {
+        path.state.iter_from(self.domain.predicates.len())
     }
 
     /// Returns the first goal that a path did not achieve in order, with `true` for one of the first stage.
@@ -382,20 +382,17 @@ impl<'a> Walk<'a> {
         }
         // The entry of the step is replaced by one for each outcome, with the fact that it reveals.
         let before = self.history.before(path.here);
-        let with_outcome = |fact: &Fact| {
+        let mut paths = Vec::with_capacity(facts.len());
+        for fact in facts {
             let mut path = path.clone();
-            path.here = self.history.add(id, before, |changes| {
-                path.state.set(*fact, true);
-                changes.facts.push(super::Change {
-                    fact: *fact,
-                    holds: true,
-                });
-            });
+            path.state.set(fact, true);
+            let change = super::Change { fact, holds: true };
+            path.here = self.history.add(id, before, |changes| changes.facts.push(change));
             // A rule violation that sensing reveals is not caused by the plan.
             path.broken = self.broken_always(&path.state);
-            path
-        };
-        facts.iter().map(with_outcome).collect()
+            paths.push(path);
+        }
+        paths
     }
 
     /// Returns the possible outcomes of a sensing step.
@@ -556,13 +553,11 @@ impl<'a> Walk<'a> {
     /// Returns the distinct violations and warnings.
     pub(super) fn findings(self) -> (Vec<Violation>, Vec<Violation>) {
         let (odd, wrong): (Vec<_>, Vec<_>) = joined(self.found, None).into_iter().partition(|found| found.odd);
-        let violations = |found: Vec<Finding>| {
-            found
-                .into_iter()
-                .map(|found| found.violation.when(found.when))
-                .collect()
-        };
-        (violations(wrong), violations(odd))
+        let violations = [wrong, odd].map(|found| {
+            let found = found.into_iter();
+            found.map(|found| found.violation.when(found.when)).collect()
+        });
+        violations.into()
     }
 }
 

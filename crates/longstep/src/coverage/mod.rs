@@ -102,7 +102,7 @@ pub struct LeftOut {
 /// The role of a part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Role {
+pub enum CoverageRole {
     /// It asks for these goals: indices into [`Goal::facts`].
     Goals(Vec<usize>),
     /// It asks for these constraints: indices into [`Goal::constraints`].
@@ -115,11 +115,11 @@ pub enum Role {
 
 /// A part of an instruction, as bytes of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Part {
+pub struct InstructionPart {
     /// The part.
     pub range: Range<usize>,
     /// Its role.
-    pub role: Role,
+    pub role: CoverageRole,
 }
 
 /// The parts of an instruction in the order of the text. They do not overlap; what lies between them is space and
@@ -127,7 +127,7 @@ pub struct Part {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Coverage {
     instruction: String,
-    parts: Vec<Part>,
+    parts: Vec<InstructionPart>,
 }
 
 impl Coverage {
@@ -151,13 +151,19 @@ impl Coverage {
         let mut gaps = marked(world, instruction, goal, left_out, is_alone);
         if is_alone {
             for (range, gap) in literal::gaps(world, instruction, goal, &mentions) {
-                enter(&mut gaps, range, Role::NotRepresented(gap));
+                enter(&mut gaps, range, CoverageRole::NotRepresented(gap));
             }
         }
         Self::with_gaps(world, instruction, goal, &mentions, gaps)
     }
 
-    fn with_gaps(world: &World, instruction: &str, goal: &Goal, mentions: &FullNames, mut gaps: Vec<Part>) -> Self {
+    fn with_gaps(
+        world: &World,
+        instruction: &str,
+        goal: &Goal,
+        mentions: &FullNames,
+        mut gaps: Vec<InstructionPart>,
+    ) -> Self {
         gaps.sort_by_key(|part| part.range.start);
         let mut parts = Vec::new();
         let mut start = 0;
@@ -178,19 +184,19 @@ impl Coverage {
     }
 
     /// Returns the parts in the order of the text.
-    pub fn parts(&self) -> &[Part] {
+    pub fn parts(&self) -> &[InstructionPart] {
         &self.parts
     }
 
     /// Returns the text of a part.
-    pub fn text(&self, part: &Part) -> &str {
+    pub fn text(&self, part: &InstructionPart) -> &str {
         &self.instruction[part.range.clone()]
     }
 
     /// Returns the parts that are not represented, as texts with their kinds.
     pub fn gaps(&self) -> impl Iterator<Item = (&str, Gap)> {
         self.parts.iter().filter_map(|part| match part.role {
-            Role::NotRepresented(gap) => Some((self.text(part), gap)),
+            CoverageRole::NotRepresented(gap) => Some((self.text(part), gap)),
             _ => None,
         })
     }
@@ -214,7 +220,7 @@ impl Coverage {
 
 /// Returns the parts that the goal does not say. Words that the instruction does not contain stand for all of it, unless the person
 /// has said more than the instruction.
-fn marked(world: &World, instruction: &str, goal: &Goal, left_out: &[LeftOut], is_alone: bool) -> Vec<Part> {
+fn marked(world: &World, instruction: &str, goal: &Goal, left_out: &[LeftOut], is_alone: bool) -> Vec<InstructionPart> {
     let place = |own: &LeftOut| {
         let text = own.text.trim();
         let start = instruction.find(text).filter(|_| !text.is_empty());
@@ -229,16 +235,16 @@ fn marked(world: &World, instruction: &str, goal: &Goal, left_out: &[LeftOut], i
     missing.sort_by_key(|(range, gap)| (!gap.is_question(), std::cmp::Reverse(range.len()), range.start));
     let mut gaps = Vec::new();
     for (range, gap) in missing {
-        enter(&mut gaps, range, Role::NotRepresented(gap));
+        enter(&mut gaps, range, CoverageRole::NotRepresented(gap));
     }
     gaps
 }
 
 /// Adds a part unless an earlier one overlaps it.
-fn enter(parts: &mut Vec<Part>, range: Range<usize>, role: Role) {
-    let overlaps = |other: &Part| range.start < other.range.end && other.range.start < range.end;
+fn enter(parts: &mut Vec<InstructionPart>, range: Range<usize>, role: CoverageRole) {
+    let overlaps = |other: &InstructionPart| range.start < other.range.end && other.range.start < range.end;
     if !range.is_empty() && !parts.iter().any(overlaps) {
-        parts.push(Part { range, role });
+        parts.push(InstructionPart { range, role });
     }
 }
 
@@ -275,7 +281,7 @@ fn ends_clause(text: &str, at: usize, character: char) -> bool {
 }
 
 /// Returns a part with the goals and constraints whose entities it names.
-fn with_role(world: &World, goal: &Goal, mentions: &FullNames, range: Range<usize>) -> Part {
+fn with_role(world: &World, goal: &Goal, mentions: &FullNames, range: Range<usize>) -> InstructionPart {
     let domain = world.domain();
     let named: Vec<EntityId> = mentions.within(&range).collect();
     let names_one = |entities: &[EntityId]| entities.iter().any(|entity| named.contains(entity));
@@ -290,27 +296,27 @@ fn with_role(world: &World, goal: &Goal, mentions: &FullNames, range: Range<usiz
         .map(|(index, _)| index)
         .collect();
     let role = match (goals.is_empty(), constraints.is_empty()) {
-        (false, _) => Role::Goals(goals),
-        (true, false) => Role::Constraints(constraints),
-        (true, true) => Role::Background,
+        (false, _) => CoverageRole::Goals(goals),
+        (true, false) => CoverageRole::Constraints(constraints),
+        (true, true) => CoverageRole::Background,
     };
-    Part { range, role }
+    InstructionPart { range, role }
 }
 
 /// Gives the goals that no part names to the parts that name nothing: in a language without names in the environment,
 /// such a part still asked for the goal.
-fn attribute_the_rest(goal: &Goal, parts: &mut [Part]) {
-    let has = |parts: &[Part], index: usize| {
+fn attribute_the_rest(goal: &Goal, parts: &mut [InstructionPart]) {
+    let has = |parts: &[InstructionPart], index: usize| {
         parts
             .iter()
-            .any(|part| matches!(&part.role, Role::Goals(goals) if goals.contains(&index)))
+            .any(|part| matches!(&part.role, CoverageRole::Goals(goals) if goals.contains(&index)))
     };
     let rest: Vec<usize> = (0..goal.facts.len()).filter(|index| !has(parts, *index)).collect();
     if rest.is_empty() {
         return;
     }
-    for part in parts.iter_mut().filter(|part| part.role == Role::Background) {
-        part.role = Role::Goals(rest.clone());
+    for part in parts.iter_mut().filter(|part| part.role == CoverageRole::Background) {
+        part.role = CoverageRole::Goals(rest.clone());
     }
 }
 

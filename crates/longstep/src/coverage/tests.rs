@@ -171,7 +171,7 @@ fn coverage_after_an_answer_counts_only_omissions() {
 fn coverage_assigns_every_character_to_one_part() {
     let text = "It is late. Put the pen on the shelf, and close the cupboard at 7.30, please!";
     let coverage = coverage(text, "put(pen, shelf) & closed(cupboard)", &[("at 7.30", Gap::Amount)]);
-    let parts: Vec<(&str, &Role)> = coverage
+    let parts: Vec<(&str, &CoverageRole)> = coverage
         .parts()
         .iter()
         .map(|part| (coverage.text(part), &part.role))
@@ -179,11 +179,11 @@ fn coverage_assigns_every_character_to_one_part() {
     assert_eq!(
         parts,
         [
-            ("It is late", &Role::Background),
-            ("Put the pen on the shelf", &Role::Goals(vec![0])),
-            ("and close the cupboard", &Role::Goals(vec![1])),
-            ("at 7.30", &Role::NotRepresented(Gap::Amount)),
-            ("please", &Role::Background),
+            ("It is late", &CoverageRole::Background),
+            ("Put the pen on the shelf", &CoverageRole::Goals(vec![0])),
+            ("and close the cupboard", &CoverageRole::Goals(vec![1])),
+            ("at 7.30", &CoverageRole::NotRepresented(Gap::Amount)),
+            ("please", &CoverageRole::Background),
         ]
     );
     let question = "I cannot represent \"at 7.30\"; the plan ignores it. Go on?";

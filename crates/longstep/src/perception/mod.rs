@@ -19,5 +19,5 @@ mod vocabulary;
 pub use correction::CorrectionDialogue;
 pub use dialogue::{SightDialogue, SightInput};
 pub use sighting::{Sighting, Statement};
-pub use update::{Coverage, observation};
+pub use update::{LookSource, observation};
 pub use view::{Leniency, View};

@@ -217,17 +217,17 @@ fn look_observation_keeps_facts_it_cannot_decide() {
     let empty = look(r#"{"assets": ["<fridge>"], "objects": ["<milk>", "<fridge_handle>"]}"#);
     let moved =
         look(r#"{"assets": ["<table>"], "objects": ["<milk>"], "object_states": {"<milk>": "on_something(<table>)"}}"#);
-    for (look, coverage, milk, handle) in [
-        (&empty, Coverage::Poses, vec![], Some(vec!["open()"])),
+    for (look, source, milk, handle) in [
+        (&empty, LookSource::Poses, vec![], Some(vec!["open()"])),
         (
             &empty,
-            Coverage::Stated,
+            LookSource::Stated,
             vec!["inside_something(<fridge>)"],
             Some(vec!["open()"]),
         ),
-        (&moved, Coverage::Stated, vec!["on_something(<table>)"], None),
+        (&moved, LookSource::Stated, vec!["on_something(<table>)"], None),
     ] {
-        let statements = observation(&world, look, coverage);
+        let statements = observation(&world, look, source);
         let own = |name: &str| statements.states.get(name).map(|words| words.as_slice().to_vec());
         assert_eq!(own("<milk>").unwrap(), milk);
         assert_eq!(

@@ -15,9 +15,9 @@ const GROUPS: [&[SpatialRelation]; 3] = [
     &[SpatialRelation::NextTo],
 ];
 
-/// How much a source says about an entity that it shows.
+/// The source of a look, which decides how much the look says about an entity that it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Coverage {
+pub enum LookSource {
     /// Boxes with poses: all relations to other boxes, and of a joint only what is given.
     Poses,
     /// Words and pictures: only what is stated.
@@ -28,7 +28,7 @@ pub enum Coverage {
 /// the world's own states those that the look does not decide.
 ///
 /// Entities that only the look has are listed too; an observation reports them as unknown.
-pub fn observation(world: &World, look: &Environment, coverage: Coverage) -> Observation {
+pub fn observation(world: &World, look: &Environment, source: LookSource) -> Observation {
     let domain = world.domain();
     let own = world.environment();
     let mut states = IndexMap::new();
@@ -38,7 +38,7 @@ pub fn observation(world: &World, look: &Environment, coverage: Coverage) -> Obs
         let old = entries(own, name);
         all.extend(
             old.into_iter()
-                .filter(|text| !new.contains(text) && !is_decided(domain, text, &new, coverage)),
+                .filter(|text| !new.contains(text) && !is_decided(domain, text, &new, source)),
         );
         states.insert(name.clone(), Words::Many(all));
     }
@@ -52,7 +52,7 @@ fn entries(environment: &Environment, name: &str) -> Vec<String> {
 }
 
 /// Returns true if a look with new states decides whether an old one still holds.
-fn is_decided(domain: &Domain, old: &str, new: &[String], coverage: Coverage) -> bool {
+fn is_decided(domain: &Domain, old: &str, new: &[String], source: LookSource) -> bool {
     let Some(word) = word_of(domain, old) else { return false };
     let news: Vec<&StateWord> = new.iter().filter_map(|text| word_of(domain, text)).collect();
     if news.iter().any(|other| other.word == word.word) {
@@ -62,7 +62,7 @@ fn is_decided(domain: &Domain, old: &str, new: &[String], coverage: Coverage) ->
         .iter()
         .filter(|group| word.relations.iter().any(|own| group.contains(own)));
     groups.any(|group| {
-        let is_seen = coverage == Coverage::Poses && !group.contains(&SpatialRelation::Open);
+        let is_seen = source == LookSource::Poses && !group.contains(&SpatialRelation::Open);
         is_seen
             || news
                 .iter()

@@ -5,7 +5,7 @@
 use longstep_core::model::{Number, entries_of, entry_of_number};
 use serde::Serialize;
 
-use crate::coverage::{self, Coverage, Gap, Role};
+use crate::coverage::{self, Coverage, CoverageRole, Gap};
 use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, GoalFact, Group};
 use crate::plan::{self, ChoiceFile, OutlineLine, PlanFile, PurposeFile, Step, TaskCohesion};
@@ -481,15 +481,15 @@ impl Answer {
 
     /// Adds the roles of the instruction's parts. Constraints follow the goals in `goal`.
     pub fn set_coverage(&mut self, goal: &Goal, coverage: &Coverage) {
-        let part = |part: &coverage::Part| {
+        let part = |part: &coverage::InstructionPart| {
             let (role, goals) = match &part.role {
-                Role::Goals(goals) => ("goal", goals.clone()),
-                Role::Constraints(constraints) => {
+                CoverageRole::Goals(goals) => ("goal", goals.clone()),
+                CoverageRole::Constraints(constraints) => {
                     let place = |index: &usize| goal.facts.len() + index;
                     ("constraint", constraints.iter().map(place).collect())
                 }
-                Role::Background => ("background", Vec::new()),
-                Role::NotRepresented(_) => ("not_represented", Vec::new()),
+                CoverageRole::Background => ("background", Vec::new()),
+                CoverageRole::NotRepresented(_) => ("not_represented", Vec::new()),
             };
             PartAnswer {
                 text: coverage.text(part).to_owned(),

@@ -2,7 +2,7 @@
 
 use super::super::EditKind;
 use longstep_model::model::{EntityId, World};
-use longstep_verify::plan::{DraftStep, Node, Plan, Resolved, Step, StepId, Test, lanes};
+use longstep_verify::plan::{DraftStep, Node, Plan, Resolved, StepId, Test, lanes};
 
 /// Maximum number of steps and of blocks after unfolding. Blocks are limited too, since empty branches also double.
 const MOST: usize = 2_000;
@@ -55,22 +55,36 @@ pub(super) enum Part {
     Remark(String),
 }
 
+impl Part {
+    /// Returns true if the part is a step, or has it in its condition.
+    pub(super) fn executes(&self, step: usize) -> bool {
+        match self {
+            Self::Step(number) => *number == step,
+            Self::If(test, ..) | Self::While(test, _) => test.steps().any(|own| own.index() == step),
+            Self::Repeat(..) | Self::Remark(_) => false,
+        }
+    }
+}
+
 impl Draft {
     pub(super) fn of(world: &World, resolved: &Resolved, plan: &Plan) -> Self {
-        let item = |(from, step): (usize, &Step)| Item {
-            // Repair may change the implicit arguments of a step, but not those of a sensing step.
-            step: match &resolved.steps[from] {
-                Some(draft) if world.domain().action(step.action).senses.is_empty() => draft.clone(),
-                _ => step.into(),
-            },
-            bound: step.arguments.clone(),
-            written: step.call(world).to_string(),
-            from,
-            edit: None,
-            settled: false,
-        };
+        let mut items = Vec::with_capacity(plan.steps().len());
+        for (from, step) in plan.steps().iter().enumerate() {
+            items.push(Item {
+                // Repair may change the implicit arguments of a step, but not those of a sensing step.
+                step: match &resolved.steps[from] {
+                    Some(draft) if world.domain().action(step.action).senses.is_empty() => draft.clone(),
+                    _ => step.into(),
+                },
+                bound: step.arguments.clone(),
+                written: step.call(world).to_string(),
+                from,
+                edit: None,
+                settled: false,
+            });
+        }
         let mut draft = Self {
-            items: plan.steps().iter().enumerate().map(item).collect(),
+            items,
             blocks: vec![Vec::new()],
             dropped: Vec::new(),
         };

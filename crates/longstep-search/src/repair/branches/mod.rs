@@ -31,10 +31,6 @@ pub(super) fn repair_branches(
     purpose: &Purpose,
     pins: &Pins,
 ) -> RepairOutcome {
-    let gave_up = |why: &str| RepairOutcome::GaveUp {
-        why: why.to_owned(),
-        expanded: 0,
-    };
     let plan = match bind_tree(world, resolved, purpose.claim.as_ref()) {
         Ok((plan, _)) => plan,
         Err(issues) => {
@@ -51,7 +47,10 @@ pub(super) fn repair_branches(
     let mut draft = Draft::of(world, resolved, &report.plan);
     draft.sense(world, &report.violations, pins);
     if !draft.unfold(0) {
-        return gave_up("the plan has too many branches one after the other");
+        return RepairOutcome::GaveUp {
+            why: "the plan has too many branches one after the other".to_owned(),
+            expanded: 0,
+        };
     }
     let task = BranchTask {
         limit,
@@ -129,15 +128,16 @@ impl BranchTask<'_> {
         let world = self.world;
         let mut order = Vec::new();
         let body = draft.nodes(0, &mut order);
-        let step = |number: &usize| {
+        let mut steps = Vec::with_capacity(order.len());
+        for number in &order {
             let item = &draft.items[*number];
             let mut step = Step::explained(world, item.step.action, item.arguments());
             if !item.step.explanation.is_empty() {
                 step.explanation.clone_from(&item.step.explanation);
             }
-            step
-        };
-        let plan = Plan::tree(order.iter().map(step).collect(), body);
+            steps.push(step);
+        }
+        let plan = Plan::tree(steps, body);
         let Some((plan, given_up)) = plan.and_then(|plan| self.verified(plan)) else {
             return RepairOutcome::GaveUp {
                 why: "each path through the plan could be repaired, and together they are no valid plan".to_owned(),

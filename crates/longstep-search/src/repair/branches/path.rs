@@ -73,10 +73,8 @@ impl Draft {
 
     /// Translates a prohibition to a position on the path; none if it concerns a position elsewhere.
     fn on(&self, path: &ExecutionPath, unwanted: &Unwanted) -> Option<Unwanted> {
-        let place_of = |drafted: usize| {
-            let drafted = |(number, _): &(usize, Option<usize>)| self.items[*number].drafted() == Some(drafted);
-            path.steps.iter().position(drafted)
-        };
+        let drafted = path.steps.iter().map(|(number, _)| self.items[*number].drafted());
+        let place_of = |step: usize| drafted.clone().position(|drafted| drafted == Some(step));
         let behind = || place_of(unwanted.before.checked_sub(1)?).map(|place| place + 1);
         let here = place_of(unwanted.before).or_else(behind);
         let before = match unwanted.reach {

@@ -2,7 +2,7 @@
 
 use super::super::{Edit, EditKind, Pins, Repaired, Unwanted};
 use super::draft::{Draft, Item, Part};
-use longstep_model::model::{Atom, Condition, Effect, EntityId, Fact, Term, Voice, World};
+use longstep_model::model::{Atom, Condition, Domain, Effect, EntityId, Fact, Term, Voice, World, ground};
 use longstep_verify::plan::{Plan, Step, StepId};
 use longstep_verify::verify::{Purpose, Violation, check};
 
@@ -13,14 +13,9 @@ pub(super) fn with_outcomes(world: &World, outcomes: &[Fact]) -> World {
         for action in &mut data.actions {
             for atom in std::mem::take(&mut action.senses) {
                 for fact in outcomes.iter().filter(|fact| fact.predicate() == atom.predicate) {
-                    let same = |(place, term): (usize, &Term)| Condition::Equal {
-                        left: *term,
-                        right: Term::Constant(fact.argument(place)),
-                        holds: true,
-                    };
                     action.effects.push(Effect {
                         forall: Vec::new(),
-                        condition: Condition::And(atom.terms.iter().enumerate().map(same).collect()),
+                        condition: is_fact(&atom, *fact),
                         atom: atom.clone(),
                         adds: true,
                     });
@@ -29,6 +24,24 @@ pub(super) fn with_outcomes(world: &World, outcomes: &[Fact]) -> World {
         }
     });
     world.in_domain(domain)
+}
+
+/// Returns the condition that the arguments of an atom are those of a fact.
+fn is_fact(atom: &Atom, fact: Fact) -> Condition {
+    let terms = atom.terms.iter().enumerate();
+    let equal = terms.map(|(place, term)| Condition::Equal {
+        left: *term,
+        right: Term::Constant(fact.argument(place)),
+        holds: true,
+    });
+    Condition::And(equal.collect())
+}
+
+/// Returns true if a step senses, and reveals none of these facts.
+fn senses_others(domain: &Domain, step: &Step, facts: &[Fact]) -> bool {
+    let atoms = &domain.action(step.action).senses;
+    let mut outcomes = atoms.iter().map(|atom| ground(atom, &step.arguments));
+    !atoms.is_empty() && !outcomes.any(|fact| facts.contains(&fact))
 }
 
 /// Returns the steps and edits of a repaired path. Steps that were inserted before sensing are moved after it where
@@ -49,14 +62,7 @@ pub(super) fn behind_sensing(
         return (steps, edits);
     }
     // After a loop condition it would be executed in each iteration.
-    let senses = |step: &Step| {
-        let mut outcomes = domain
-            .action(step.action)
-            .senses
-            .iter()
-            .map(|atom| longstep_model::model::ground(atom, &step.arguments));
-        !domain.action(step.action).senses.is_empty() && !outcomes.any(|fact| looped.contains(&fact))
-    };
+    let senses = |step: &Step| senses_others(domain, step, looped);
     for at in (0..steps.len().saturating_sub(1)).rev() {
         let mut place = at;
         while place + 1 < steps.len() {
@@ -117,11 +123,10 @@ impl Draft {
                     continue;
                 };
                 let from = self.number_from(block, place);
-                let forbids = |out: &Unwanted| {
-                    let same = (out.action, &out.arguments) == (step.action, &step.arguments);
-                    out.forbids(step.action, &step.arguments) || (same && out.before == from)
-                };
-                if pins.unwanted.iter().any(forbids) {
+                let is_same = |out: &Unwanted| (out.action, &out.arguments) == (step.action, &step.arguments);
+                let was_here = |out: &Unwanted| out.before == from && is_same(out);
+                let mut unwanted = pins.unwanted.iter();
+                if unwanted.any(|out| out.forbids(step.action, &step.arguments) || was_here(out)) {
                     break;
                 }
                 self.items.push(Item {
@@ -152,22 +157,23 @@ impl Draft {
         next.unwrap_or_else(|| self.items.iter().map(|item| item.from + 1).max().unwrap_or(0))
     }
 
+    fn collect_block(&self, block: usize, numbers: &mut Vec<usize>) {
+        self.blocks[block].iter().for_each(|part| self.collect(part, numbers));
+    }
+
     fn collect(&self, part: &Part, numbers: &mut Vec<usize>) {
-        let block = |block: usize, numbers: &mut Vec<usize>| {
-            self.blocks[block].iter().for_each(|part| self.collect(part, numbers));
-        };
         match part {
             Part::Step(number) => numbers.push(*number),
             Part::If(test, then, otherwise) => {
                 numbers.extend(test.steps().map(StepId::index));
-                block(*then, numbers);
-                block(*otherwise, numbers);
+                self.collect_block(*then, numbers);
+                self.collect_block(*otherwise, numbers);
             }
             Part::While(test, body) => {
                 numbers.extend(test.steps().map(StepId::index));
-                block(*body, numbers);
+                self.collect_block(*body, numbers);
             }
-            Part::Repeat(_, body) => block(*body, numbers),
+            Part::Repeat(_, body) => self.collect_block(*body, numbers),
             Part::Remark(_) => {}
         }
     }

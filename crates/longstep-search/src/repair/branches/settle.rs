@@ -80,18 +80,13 @@ impl Draft {
         let Some((next, block)) = next else {
             return self.blocks[last].push(Part::Step(new));
         };
-        let is_next = |part: &Part| match part {
-            Part::Step(number) => *number == next,
-            // For a step of a condition, the new step goes before the branch or loop.
-            Part::If(test, ..) | Part::While(test, _) => test.steps().any(|step| step.index() == next),
-            Part::Repeat(..) | Part::Remark(_) => false,
-        };
         let blocks = match block {
             Some(block) => block..block + 1,
             None => 0..self.blocks.len(),
         };
         for block in blocks {
-            if let Some(place) = self.blocks[block].iter().position(is_next) {
+            // For a step of a condition, the new step goes before the branch or loop.
+            if let Some(place) = self.blocks[block].iter().position(|part| part.executes(next)) {
                 return self.blocks[block].insert(place, Part::Step(new));
             }
         }

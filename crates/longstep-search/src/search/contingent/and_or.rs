@@ -275,9 +275,9 @@ impl<'a> Search<'a> {
                     }
                 }
                 OpenEntry::Outcomes(number, look, total) => {
-                    let depth = nodes.all[number as usize].depth as usize;
-                    let earlier = best.as_ref().is_none_or(|best| depth < best.path.len());
-                    if total > in_all || (total == in_all && !earlier) {
+                    // Of equally dear policies, the one with fewer steps before it senses is better, whatever these cost.
+                    let is_earlier = |best: &Rc<Policy>| path(&nodes.all, number).len() < best.path.len();
+                    if total > in_all || (total == in_all && !best.as_ref().is_none_or(is_earlier)) {
                         continue;
                     }
                     let below = best

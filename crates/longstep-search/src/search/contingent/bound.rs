@@ -36,21 +36,26 @@ pub(super) struct Estimate {
     pub(super) preferred: Vec<u32>,
 }
 
+impl Estimate {
+    /// Raises the cost to that of one bound; returns false if there is no plan.
+    fn raise(&mut self, bound: &mut LandmarkCut, state: &Bits) -> bool {
+        let found = bound.estimate(|fact| state.holds(fact));
+        self.cost = self.cost.and_then(|cost| Some(cost.max(found.cost?)));
+        if self.preferred.is_empty() {
+            self.preferred = found.preferred;
+        }
+        self.cost.is_some()
+    }
+}
+
 impl LowerBounds {
     /// Prepares the bounds. If `looping`, repeated sensing may have different outcomes, so only the optimistic bound is
     /// valid.
     pub(super) fn new(task: &Task, looping: bool) -> Self {
         let groups = if looping { Vec::new() } else { groups(task) };
-        let bounds = |group: OutcomeGroup| {
-            let alone = |outcome: &u32| LandmarkCut::new(&only(task, &group, *outcome));
-            // The largest of fewer lower bounds is a lower bound too.
-            let affordable = group.iter().take_while(|_| !effort::is_exhausted());
-            let bounds = affordable.map(alone).collect();
-            (group, bounds)
-        };
         Self {
             wishful: LandmarkCut::new(task),
-            groups: groups.into_iter().map(bounds).collect(),
+            groups: groups.into_iter().map(|group| with_bounds(task, group)).collect(),
             known: FxHashMap::default(),
             looked_at: 0,
         }
@@ -66,27 +71,29 @@ impl LowerBounds {
             cost: Some(0),
             preferred: Vec::new(),
         };
-        let mut take = |bound: &mut LandmarkCut| {
-            let found = bound.estimate(|fact| state.holds(fact));
-            estimate.cost = estimate.cost.and_then(|cost| Some(cost.max(found.cost?)));
-            if estimate.preferred.is_empty() {
-                estimate.preferred = found.preferred;
-            }
-            estimate.cost.is_some()
-        };
         let unknown = |group: &OutcomeGroup| group.iter().all(|fact| !state.holds(*fact));
         let mut open = self.groups.iter_mut().filter(|(group, _)| unknown(group)).peekable();
         // The tasks with a fixed outcome have fewer operators, so their bounds are seldom below the optimistic one.
         if open.peek().is_none() {
-            take(&mut self.wishful);
+            estimate.raise(&mut self.wishful, state);
         } else {
-            open.flat_map(|(_, bounds)| bounds).all(take);
+            open.flat_map(|(_, bounds)| bounds)
+                .all(|bound| estimate.raise(bound, state));
         }
         effort::spend(8 + estimate.preferred.len() / 8);
         // Nested searches meet the same states again.
         self.known.insert(state.clone(), estimate.clone());
         estimate
     }
+}
+
+/// Adds the bound for each outcome of a group.
+fn with_bounds(task: &Task, group: OutcomeGroup) -> (OutcomeGroup, Vec<LandmarkCut>) {
+    let alone = |outcome: &u32| LandmarkCut::new(&only(task, &group, *outcome));
+    // The largest of fewer lower bounds is a lower bound too.
+    let affordable = group.iter().take_while(|_| !effort::is_exhausted());
+    let bounds = affordable.map(alone).collect();
+    (group, bounds)
 }
 
 /// Returns the groups of alternative sensing outcomes in a task.

@@ -75,10 +75,6 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
             .map(|far| whole.around(world, &requirements, &about, *far))
             .rfind(|scope| scope.is_bearable(world))
     };
-    let too_large = || Outcome::GaveUp {
-        why: "the world is too large to look at all that surrounds the goal".to_owned(),
-        expanded: 0,
-    };
     let Some(scope) = scope else { return too_large() };
     let mut task = relevance::reduce(ground::ground_sensing(world, &scope, target));
     let costs = match cost::price(world, &mut task) {
@@ -111,9 +107,30 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
     }
 }
 
-/// Totals of several runs.
-#[derive(Default)]
-struct Tally {
+fn too_large() -> Outcome {
+    Outcome::GaveUp {
+        why: "the world is too large to look at all that surrounds the goal".to_owned(),
+        expanded: 0,
+    }
+}
+
+/// Returns the parameters of a search for the best policy within so many states.
+fn exact(limit: usize) -> Manner {
+    Manner {
+        limit,
+        ties: TIES,
+        weight: 1,
+        looping: false,
+        deepest: DEEPEST,
+    }
+}
+
+/// The runs of one search that senses, and their totals.
+struct Runs<'a> {
+    world: &'a World,
+    task: &'a Task,
+    costs: Costs,
+    limits: &'a Limits,
     /// Evaluated states.
     states: usize,
     /// True if a run exhausted its budget.
@@ -122,116 +139,146 @@ struct Tally {
     is_too_dear: bool,
 }
 
-/// Runs a search within so many units of work, and adds to the tally.
-fn run(task: &Task, manner: Manner, below: u32, work: u64, tally: &mut Tally) -> Result<Option<Policy>, TooFar> {
-    let spent = effort::within(work, || {
-        let mut search = Search::new(task, manner);
-        (search.run(below), search.looked_at(), search.is_too_dear())
-    });
-    let (found, looked_at, is_too_dear) = spent.result;
-    tally.states += looked_at;
-    tally.is_too_dear = is_too_dear;
-    if spent.exhausted {
-        tally.exhausted = true;
-        return Err(TooFar);
-    }
-    found.map(|policy| policy.map(|policy| (*policy).clone()))
+fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome {
+    let runs = Runs {
+        world,
+        task,
+        costs,
+        limits,
+        states: 0,
+        exhausted: false,
+        is_too_dear: false,
+    };
+    runs.outcome()
 }
 
-fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome {
-    let manner = |limit: usize| Manner {
-        limit,
-        ties: TIES,
-        weight: 1,
-        looping: false,
-        deepest: DEEPEST,
-    };
-    let work = limits.run_for_any();
-    let mut tally = Tally::default();
-    let solved = |task: &Task, policy: &Policy, shortest: bool, expanded: usize| {
-        let plan = policy::plan(world, task, policy);
-        plan.map_or_else(
-            || Outcome::GaveUp {
-                why: "the plan that was found branches too deep".to_owned(),
-                expanded,
-            },
-            |plan| Outcome::Solved {
-                plan,
-                worst: policy.steps(),
-                cost: policy.cost(world, task),
-                at_least: if shortest && !world.domain().has_costs() {
-                    policy.steps()
-                } else {
-                    0
-                },
-                shortest: shortest && (policy.steps() as usize) < costs.steps,
-                expanded,
-            },
-        )
-    };
-    let focused = relevance::focus(task);
-    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), dearest(task), work, &mut tally) {
-        // The proof search uses all operators but accepts only a better worst case.
-        let found = run(task, manner(limits.proof), direct.worst, work, &mut tally);
-        return match found {
-            Ok(Some(better)) => solved(task, &better, true, tally.states),
-            Ok(None) => solved(&focused, &direct, true, tally.states),
-            Err(TooFar) => solved(&focused, &direct, false, tally.states),
-        };
-    }
-    let (mut proven, mut too_long) = (false, false);
-    // The greedy runs share the states and the work of one.
-    let greedy = DEPTHS.map(|deepest| Manner {
-        weight: GREED,
-        deepest,
-        ..manner(limits.any / LAZY / DEPTHS.len())
-    });
-    let greedy = greedy.map(|manner| (manner, work / DEPTHS.len() as u64));
-    for (manner, work) in std::iter::once((manner(limits.shortest), work)).chain(greedy) {
-        match run(task, manner, dearest(task), work, &mut tally) {
-            Ok(Some(policy)) => return solved(task, &policy, manner.weight == 1, tally.states),
-            Ok(None) => {
-                // A longer plan than the search may find is no proof that there is none.
-                too_long = tally.is_too_dear;
-                proven = !too_long;
-                break;
-            }
-            Err(TooFar) => {}
+impl Runs<'_> {
+    fn outcome(mut self) -> Outcome {
+        if let Some(solved) = self.direct() {
+            return solved;
+        }
+        let any = self.any();
+        if let Ok(Some(solved)) = any {
+            return solved;
+        }
+        // A longer plan than the search may find is no proof that there is none.
+        let too_long = any.is_ok() && self.is_too_dear;
+        if let Some(solved) = self.looping() {
+            return solved;
+        }
+        if any.is_ok() && !too_long {
+            self.unsolvable()
+        } else {
+            self.gave_up(too_long)
         }
     }
-    let looping = Manner {
-        looping: true,
-        ..manner(limits.shortest)
-    };
-    // Sensing is applicable only while its outcome is unknown, so a loop needs an action that makes it unknown.
-    if forgets(task)
-        && let Ok(Some(policy)) = run(task, looping, dearest(task), work, &mut tally)
-    {
-        return solved(task, &policy, false, tally.states);
+
+    /// Looks for the best policy of the focused task, and for the proof that no other one is better.
+    fn direct(&mut self) -> Option<Outcome> {
+        let (task, work) = (self.task, self.limits.run_for_any());
+        let focused = relevance::focus(task);
+        let direct = self
+            .run(&focused, exact(self.limits.direct), dearest(task), work)
+            .ok()??;
+        // The proof search uses all operators but accepts only a better worst case.
+        Some(match self.run(task, exact(self.limits.proof), direct.worst, work) {
+            Ok(Some(better)) => self.solved(task, &better, true),
+            Ok(None) => self.solved(&focused, &direct, true),
+            Err(TooFar) => self.solved(&focused, &direct, false),
+        })
     }
-    match proven {
+
+    /// Looks for the best policy of the task, then greedily for any; none if the last run proves that none is cheap enough.
+    fn any(&mut self) -> Result<Option<Outcome>, TooFar> {
+        let (task, work) = (self.task, self.limits.run_for_any());
+        // The greedy runs share the states and the work of one.
+        let greedy = DEPTHS.map(|deepest| Manner {
+            weight: GREED,
+            deepest,
+            ..exact(self.limits.any / LAZY / DEPTHS.len())
+        });
+        let greedy = greedy.map(|manner| (manner, work / DEPTHS.len() as u64));
+        for (manner, work) in std::iter::once((exact(self.limits.shortest), work)).chain(greedy) {
+            if let Ok(found) = self.run(task, manner, dearest(task), work) {
+                return Ok(found.map(|policy| self.solved(task, &policy, manner.weight == 1)));
+            }
+        }
+        Err(TooFar)
+    }
+
+    /// Looks for a policy that repeats sensing until it has the desired outcome.
+    fn looping(&mut self) -> Option<Outcome> {
+        let (task, work) = (self.task, self.limits.run_for_any());
+        // Sensing is applicable only while its outcome is unknown, so a loop needs an action that makes it unknown.
+        if !forgets(task) {
+            return None;
+        }
+        let looping = Manner {
+            looping: true,
+            ..exact(self.limits.shortest)
+        };
+        let policy = self.run(task, looping, dearest(task), work).ok()??;
+        Some(self.solved(task, &policy, false))
+    }
+
+    /// Runs a search within so many units of work, and adds to the totals.
+    fn run(&mut self, task: &Task, manner: Manner, below: u32, work: u64) -> Result<Option<Policy>, TooFar> {
+        let spent = effort::within(work, || {
+            let mut search = Search::new(task, manner);
+            (search.run(below), search.looked_at(), search.is_too_dear())
+        });
+        let (found, looked_at, is_too_dear) = spent.result;
+        self.states += looked_at;
+        self.is_too_dear = is_too_dear;
+        if spent.exhausted {
+            self.exhausted = true;
+            return Err(TooFar);
+        }
+        found.map(|policy| policy.map(|policy| (*policy).clone()))
+    }
+
+    fn solved(&self, task: &Task, policy: &Policy, shortest: bool) -> Outcome {
+        let Some(plan) = policy::plan(self.world, task, policy) else {
+            return Outcome::GaveUp {
+                why: "the plan that was found branches too deep".to_owned(),
+                expanded: self.states,
+            };
+        };
+        let is_bound = shortest && !self.world.domain().has_costs();
+        Outcome::Solved {
+            plan,
+            worst: policy.steps(),
+            cost: policy.cost(self.world, task),
+            at_least: if is_bound { policy.steps() } else { 0 },
+            shortest: shortest && (policy.steps() as usize) < self.costs.steps,
+            expanded: self.states,
+        }
+    }
+
+    fn unsolvable(&self) -> Outcome {
         // If known facts can be lost again, another kind of loop may work.
-        true if forgets(task) && is_solvable_by_luck(task, limits) => Outcome::GaveUp {
-            why: "no plan is sure to come to an end, and no simple loop was found that does".to_owned(),
-            expanded: tally.states,
-        },
-        true => Outcome::ProvenUnsolvable {
-            when: hopeless(task, limits),
-            expanded: tally.states,
-        },
-        false => Outcome::GaveUp {
-            why: if too_long {
-                format!("there is no plan of up to {LONGEST} steps, and longer ones are not looked for")
-            } else if tally.exhausted {
-                format!(
-                    "no plan found in {} states, which took all the work that a search may take",
-                    tally.states
-                )
-            } else {
-                format!("no plan found in {} states", tally.states)
-            },
-            expanded: tally.states,
-        },
+        if forgets(self.task) && is_solvable_by_luck(self.task, self.limits) {
+            return Outcome::GaveUp {
+                why: "no plan is sure to come to an end, and no simple loop was found that does".to_owned(),
+                expanded: self.states,
+            };
+        }
+        Outcome::ProvenUnsolvable {
+            when: hopeless(self.task, self.limits),
+            expanded: self.states,
+        }
+    }
+
+    fn gave_up(&self, too_long: bool) -> Outcome {
+        let states = self.states;
+        let why = if too_long {
+            format!("there is no plan of up to {LONGEST} steps, and longer ones are not looked for")
+        } else if self.exhausted {
+            format!("no plan found in {states} states, which took all the work that a search may take")
+        } else {
+            format!("no plan found in {states} states")
+        };
+        Outcome::GaveUp { why, expanded: states }
     }
 }
 
@@ -252,18 +299,15 @@ fn hopeless(task: &Task, limits: &Limits) -> Option<Fact> {
     if !is_solvable_by_luck(task, limits) {
         return None;
     }
-    let outcome_of = |fact: u32| {
-        let mut operators = task.operators.iter();
-        operators
-            .find(|operator| bound::outcome(operator) == Some(fact))?
-            .outcome
-    };
     // A plan must work for every outcome, so one outcome without a plan is a reason.
     for group in bound::groups(task) {
         for fact in &group {
             let alone = bound::only(task, &group, *fact);
             if cheapest(&alone, limits.proof, None).0 == Found::Nothing {
-                return outcome_of(*fact);
+                let mut operators = task.operators.iter();
+                return operators
+                    .find(|operator| bound::outcome(operator) == Some(*fact))?
+                    .outcome;
             }
         }
     }

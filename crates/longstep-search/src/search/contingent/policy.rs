@@ -47,11 +47,12 @@ impl Policy {
         let Then::Look(outcomes) = &self.then else {
             return Some(path);
         };
-        let after = |(operator, policy): &(u32, Rc<Policy>)| {
-            cost::total(world, [step(operator)])?.plus(policy.cost(world, task)?)
-        };
-        let worst = outcomes.iter().map(after).collect::<Option<Vec<Number>>>()?;
-        path.plus(worst.into_iter().max().unwrap_or_default())
+        let mut worst = Number::ZERO;
+        for (operator, policy) in outcomes {
+            let after = cost::total(world, [step(operator)])?.plus(policy.cost(world, task)?)?;
+            worst = worst.max(after);
+        }
+        path.plus(worst)
     }
 
     /// Returns true if `self` is preferable: fewer steps in the worst case, fewer in total, earlier sensing.
@@ -104,9 +105,7 @@ fn pieces(task: &Task, policy: &Policy) -> Vec<PlanPiece> {
     let Then::Look(outcomes) = &policy.then else {
         return pieces;
     };
-    let way = |(number, policy): &(u32, Rc<Policy>)| -> Option<OutcomeBranch> {
-        Some((task.operators[*number as usize].outcome?, pieces_of(task, policy)))
-    };
+    let way = |outcome: &(u32, Rc<Policy>)| branch(task, outcome);
     let (again, on): (Vec<_>, Vec<_>) = outcomes.iter().partition(|(_, policy)| policy.then == Then::Again);
     let Some(sensing) = outcomes.first().map(|(number, _)| step(number)) else {
         return pieces;
@@ -128,8 +127,8 @@ fn pieces(task: &Task, policy: &Policy) -> Vec<PlanPiece> {
     pieces
 }
 
-fn pieces_of(task: &Task, policy: &Rc<Policy>) -> Vec<PlanPiece> {
-    pieces(task, policy)
+fn branch(task: &Task, (operator, policy): &(u32, Rc<Policy>)) -> Option<OutcomeBranch> {
+    Some((task.operators[*operator as usize].outcome?, pieces(task, policy)))
 }
 
 /// Removes the common suffix of all branches and returns it.

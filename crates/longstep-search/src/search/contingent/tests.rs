@@ -253,14 +253,7 @@ fn policy_that_costs_too_much_is_not_proven_impossible() {
         let target = Target::of(&domain, &goal.purpose(&world));
         let scope = Scope::whole(&world, &Requirements::of(&world, &target.wanted, &target.stages));
         let task = relevance::reduce(ground::ground_sensing(&world, &scope, &target));
-        let manner = Manner {
-            limit: 10_000,
-            ties: TIES,
-            weight: 1,
-            looping: false,
-            deepest: DEEPEST,
-        };
-        let mut search = Search::new(&task, manner);
+        let mut search = Search::new(&task, exact(10_000));
         let found = match search.run(below) {
             Ok(Some(_)) => "found",
             Ok(None) if search.is_too_dear() => "too dear",
@@ -268,5 +261,43 @@ fn policy_that_costs_too_much_is_not_proven_impossible() {
             Err(TooFar) => "too far",
         };
         assert_eq!(found, expected, "{text}, below {below}");
+    }
+}
+
+/// Returns the domain with a cost of 3 for each step.
+fn with_costs(name: &str) -> longstep_model::model::Domain {
+    let mut files = longstep_model::domain::shipped_files(name).unwrap();
+    let mut actions = files.pddl.trim_end().strip_suffix(')').unwrap().split("(:action ");
+    let mut pddl = format!("{}(:functions (total-cost) - number)\n", actions.next().unwrap());
+    for action in actions {
+        let (before, effect) = action.split_once(":effect ").unwrap();
+        // The last effect of an action ends with its parenthesis.
+        let (effect, after) = effect.rsplit_once(')').unwrap();
+        pddl.push_str(&format!(
+            "(:action {before}:effect (and {effect} (increase (total-cost) 3))){after}"
+        ));
+    }
+    files.pddl = pddl + ")";
+    longstep_model::domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"))
+}
+
+#[test]
+fn steps_of_equal_cost_give_the_plan_of_steps_without_cost() {
+    let text = r#"{"assets": ["<table>", "<fridge>", "<bin>"], "objects": ["<fridge_handle>", "<cup>"],
+        "object_states": {"<fridge_handle>": "closed()", "<cup>": "on_something(<table>)"}}"#;
+    let goal = "if full(cup) then opened(fridge) else put(cup, bin) & opened(fridge)";
+    // To look only after the cup was moved back to the table costs as much, and the move is perhaps made for nothing.
+    let expected = "move-hand fridge handle, grasp fridge handle, open-by-rotate fridge handle, release fridge handle, \
+        move-hand cup, grasp cup, detach cup table, [check-fullness cup ? move-object cup table, attach cup table : \
+        move-object cup bin], release cup";
+    for domain in [testing::domain("household-checks"), with_costs("household-checks")] {
+        let world = testing::world_of(&domain, text);
+        let purpose = goal::parse(&world, goal).unwrap().purpose(&world);
+        let outcome = solve(&world, &Target::of(&domain, &purpose), &Limits::default());
+        let Outcome::Solved { plan, .. } = outcome else {
+            panic!("{outcome:?}");
+        };
+        let plan = shown(&domain, &world, &plan, plan.body());
+        assert_eq!(plan, expected, "with costs: {}", domain.has_costs());
     }
 }

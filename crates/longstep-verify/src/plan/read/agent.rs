@@ -4,7 +4,7 @@ use super::FoundPlan;
 use super::objects::no_step;
 use super::step_value::step_with_input;
 use super::unreadable::Unreadable;
-use longstep_model::literal::{self, FENCE, LeniencyKind, Notes, Value};
+use longstep_model::literal::{self, FENCE, LeniencyKind, LiteralValue, Notes};
 
 const ACTION: &str = "Action:";
 const INPUT: &str = "Action Input:";
@@ -43,7 +43,7 @@ pub(super) fn find(text: &str) -> Option<Result<FoundPlan, Unreadable>> {
             let value = if given.trim_start().starts_with(['{', '[', '"']) {
                 literal::whole(given).map(|literal| literal.node.value)
             } else {
-                Ok(Value::Text(given.trim().to_owned()))
+                Ok(LiteralValue::Text(given.trim().to_owned()))
             };
             let step = value.ok().and_then(|value| step_with_input(&name, &value));
             let Some(step) = step else {

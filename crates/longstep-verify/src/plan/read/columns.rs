@@ -5,7 +5,7 @@ use super::objects::no_step;
 use super::step_value::{ACTION_KEYS, COUNT_KEYS, EXPLANATION_KEYS, add_arguments, bare_step, snake_case};
 use super::unreadable::Unreadable;
 use crate::plan::WrittenStep;
-use longstep_model::literal::{FENCE, LeniencyKind, Notes, Value};
+use longstep_model::literal::{FENCE, LeniencyKind, LiteralValue, Notes};
 
 /// Finds the only table of a text whose heads name an action and arguments; none without one.
 pub(super) fn find(text: &str) -> Option<Result<FoundPlan, Unreadable>> {
@@ -101,7 +101,7 @@ fn step_of_row(columns: &[Column], cells: &[&str]) -> Option<WrittenStep> {
     }
     let mut step = bare_step(own(Column::Action).next()?)?;
     for cell in own(Column::Argument).filter(|cell| !matches!(*cell, "" | "-" | "\u{2013}" | "\u{2014}")) {
-        add_arguments(&mut step, &Value::Text(cell.to_owned()))?;
+        add_arguments(&mut step, &LiteralValue::Text(cell.to_owned()))?;
     }
     step.explanation = own(Column::Explanation).collect::<Vec<_>>().join("; ");
     Some(step)

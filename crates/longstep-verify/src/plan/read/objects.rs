@@ -8,7 +8,7 @@ use super::{FoundPlan, around, shape};
 use crate::plan::WrittenStep;
 use longstep_model::diagnostic::Position;
 use longstep_model::json::Path;
-use longstep_model::literal::{self, DEEPEST, Fault, LeniencyKind, Literal, Notes, Reason, Value};
+use longstep_model::literal::{self, DEEPEST, Fault, FaultReason, LeniencyKind, LiteralValue, Notes, ParsedLiteral};
 
 /// Contents of a reply; positions are byte offsets.
 #[derive(Default)]
@@ -43,7 +43,7 @@ pub(super) fn survey(text: &str, depth: usize) -> Result<Survey, Unreadable> {
     for (start, value) in Values::new(text) {
         let literal = match value {
             Ok(literal) => literal,
-            Err(fault) if fault.of_plan || !matches!(fault.reason, Reason::Malformed(_)) => {
+            Err(fault) if fault.of_plan || !matches!(fault.reason, FaultReason::Malformed(_)) => {
                 return Err(unreadable(text, start, fault));
             }
             Err(fault) => {
@@ -51,7 +51,7 @@ pub(super) fn survey(text: &str, depth: usize) -> Result<Survey, Unreadable> {
                 continue;
             }
         };
-        let Literal { node, end, notes } = literal;
+        let ParsedLiteral { node, end, notes } = literal;
         let found = candidates(&text[..start], &node, depth);
         // A list without objects and steps, such as `[1]`, belongs to the prose.
         if found.is_empty() && is_plain_list(&node.value) {
@@ -68,8 +68,8 @@ pub(super) fn survey(text: &str, depth: usize) -> Result<Survey, Unreadable> {
 }
 
 /// Finds the plan of one value, which stands at `start` and has the notes of its reader.
-pub(super) fn plan_of_value(text: &str, literal: Literal, depth: usize) -> Option<Result<FoundPlan, Unreadable>> {
-    let Literal { node, notes, .. } = literal;
+pub(super) fn plan_of_value(text: &str, literal: ParsedLiteral, depth: usize) -> Option<Result<FoundPlan, Unreadable>> {
+    let ParsedLiteral { node, notes, .. } = literal;
     let found = candidates("", &node, depth);
     let mut seen = Survey::default();
     if found.is_empty() {
@@ -79,8 +79,8 @@ pub(super) fn plan_of_value(text: &str, literal: Literal, depth: usize) -> Optio
     Some(added.and_then(|()| seen.plan(text)?))
 }
 
-fn is_plain_list(value: &Value) -> bool {
-    matches!(value, Value::List(items) if !items.iter().any(|item| matches!(item.value, Value::Object(_))))
+fn is_plain_list(value: &LiteralValue) -> bool {
+    matches!(value, LiteralValue::List(items) if !items.iter().any(|item| matches!(item.value, LiteralValue::Object(_))))
 }
 
 impl Survey {
@@ -253,7 +253,7 @@ impl<'t> Values<'t> {
 }
 
 impl Iterator for Values<'_> {
-    type Item = (usize, Result<Literal, Fault>);
+    type Item = (usize, Result<ParsedLiteral, Fault>);
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
@@ -267,7 +267,7 @@ impl Iterator for Values<'_> {
                     return Some((start, Ok(literal)));
                 }
                 // A bracket in prose. Continuing at the fault, never before it, keeps the time linear.
-                Err(fault) if is_list && !fault.of_plan && matches!(fault.reason, Reason::Malformed(_)) => {
+                Err(fault) if is_list && !fault.of_plan && matches!(fault.reason, FaultReason::Malformed(_)) => {
                     self.at = fault.at.max(start + 1);
                 }
                 Err(fault) if is_list && !fault.of_plan => {
@@ -296,15 +296,15 @@ fn placeholder(text: &str, start: usize) -> Option<usize> {
 fn unreadable(text: &str, start: usize, fault: Fault) -> Unreadable {
     let position = Position::of(text, fault.at);
     match fault.reason {
-        Reason::CutOff => Unreadable::CutOff {
+        FaultReason::CutOff => Unreadable::CutOff {
             position,
             opened: Position::of(text, start),
         },
-        Reason::TooDeep => Unreadable::TooDeep {
+        FaultReason::TooDeep => Unreadable::TooDeep {
             position,
             limit: DEEPEST,
         },
-        Reason::Malformed(message) => Unreadable::Malformed { position, message },
+        FaultReason::Malformed(message) => Unreadable::Malformed { position, message },
     }
 }
 

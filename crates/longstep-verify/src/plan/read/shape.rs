@@ -10,7 +10,7 @@ use crate::plan::{
 };
 use longstep_model::diagnostic::Position;
 use longstep_model::json::Path;
-use longstep_model::literal::{LeniencyKind as Kind, Member, Notes, Value as Literal, ValueNode, json, shorten};
+use longstep_model::literal::{LeniencyKind as Kind, LiteralValue, Member, Notes, ValueNode, json, shorten};
 use longstep_model::model::{Environment, Words};
 
 type Shaped<T> = Result<T, Unreadable>;
@@ -26,10 +26,10 @@ pub(super) enum Likeness {
 
 /// Classifies an object.
 pub(super) fn likeness(node: &ValueNode) -> Option<Likeness> {
-    let Literal::Object(entries) = &node.value else {
+    let LiteralValue::Object(entries) = &node.value else {
         return None;
     };
-    let is_text = |value: &Literal| matches!(value, Literal::Text(text) if !text.trim().is_empty());
+    let is_text = |value: &LiteralValue| matches!(value, LiteralValue::Text(text) if !text.trim().is_empty());
     if entries
         .iter()
         .any(|entry| entry.key == "task_cohesion" || entry.key == "python_script")
@@ -175,7 +175,7 @@ impl Shape<'_, '_> {
     }
 
     fn choices(&mut self, node: &ValueNode, path: &Path) -> Shaped<Vec<ChoiceFile>> {
-        let Literal::List(items) = &node.value else {
+        let LiteralValue::List(items) = &node.value else {
             return Err(self.wrong(node, path, "a list of choices"));
         };
         let choice = |(index, item): (usize, &ValueNode)| {
@@ -191,7 +191,7 @@ impl Shape<'_, '_> {
     }
 
     fn endings(&mut self, node: &ValueNode, path: &Path) -> Shaped<Vec<EndingFile>> {
-        let Literal::List(items) = &node.value else {
+        let LiteralValue::List(items) = &node.value else {
             return Err(self.wrong(node, path, "a list of endings"));
         };
         let ending = |(index, item): (usize, &ValueNode)| {
@@ -259,7 +259,7 @@ impl Shape<'_, '_> {
     /// Returns an error if one of `others`, which have the same meaning as `key`, is also present.
     fn alone(&self, fields: &Fields, key: &str, others: &[&str]) -> Shaped<()> {
         let other = others.iter().find_map(|other| Some((other, fields.get(other)?)));
-        let Some((other, node)) = other.filter(|(_, node)| node.value != Literal::Null) else {
+        let Some((other, node)) = other.filter(|(_, node)| node.value != LiteralValue::Null) else {
             return Ok(());
         };
         let expected = match key {
@@ -272,7 +272,7 @@ impl Shape<'_, '_> {
     /// Parses an environment, bare or wrapped in `{"environment": ...}`.
     fn environment(&mut self, node: &ValueNode, path: &Path) -> Shaped<Environment> {
         let wraps = |entry: &Member| entry.key == "environment";
-        if matches!(&node.value, Literal::Object(entries) if entries.iter().any(wraps)) {
+        if matches!(&node.value, LiteralValue::Object(entries) if entries.iter().any(wraps)) {
             let fields = self.fields(node, path, &["environment"])?;
             self.notes.add_about(Kind::Wrapped, node.at, path.push("environment"));
             let inner = self.field(&fields, "environment", Self::bare_environment)?;
@@ -304,7 +304,7 @@ impl Shape<'_, '_> {
 
     /// Collects the entries with known keys and records the unknown keys.
     fn fields<'v>(&mut self, node: &'v ValueNode, path: &Path, known: &[&'static str]) -> Shaped<Fields<'v>> {
-        let Literal::Object(entries) = &node.value else {
+        let LiteralValue::Object(entries) = &node.value else {
             return Err(self.wrong(node, path, "an object"));
         };
         let mut fields = Fields {
@@ -345,7 +345,7 @@ impl Shape<'_, '_> {
             return Ok(None);
         };
         let path = fields.path.push(key);
-        if node.value == Literal::Null {
+        if node.value == LiteralValue::Null {
             self.notes.add_about(Kind::Null, node.at, path);
             return Ok(None);
         }
@@ -382,13 +382,13 @@ impl Shape<'_, '_> {
 
     fn text(&mut self, node: &ValueNode, path: &Path) -> Shaped<String> {
         match &node.value {
-            Literal::Text(text) => Ok(text.clone()),
+            LiteralValue::Text(text) => Ok(text.clone()),
             _ => Err(self.wrong(node, path, "a text in quotes")),
         }
     }
 
     fn texts(&mut self, node: &ValueNode, path: &Path) -> Shaped<Vec<String>> {
-        let Literal::List(items) = &node.value else {
+        let LiteralValue::List(items) = &node.value else {
             return Err(self.wrong(node, path, "a list of texts"));
         };
         let item = |(index, item)| self.text(item, &path.index(index));
@@ -397,8 +397,8 @@ impl Shape<'_, '_> {
 
     fn words(&mut self, node: &ValueNode, path: &Path) -> Shaped<Words> {
         match &node.value {
-            Literal::Text(word) => Ok(Words::of_text(word.clone())),
-            Literal::List(_) => self.texts(node, path).map(Words::Many),
+            LiteralValue::Text(word) => Ok(Words::of_text(word.clone())),
+            LiteralValue::List(_) => self.texts(node, path).map(Words::Many),
             _ => Err(self.wrong(node, path, "a text or a list of texts")),
         }
     }
@@ -414,7 +414,7 @@ impl Shape<'_, '_> {
         path: &Path,
         read: impl Fn(&mut Self, &ValueNode, &Path) -> Shaped<T>,
     ) -> Shaped<IndexMap<String, T>> {
-        let Literal::Object(entries) = &node.value else {
+        let LiteralValue::Object(entries) = &node.value else {
             return Err(self.wrong(node, path, "an object"));
         };
         let mut map: IndexMap<String, T> = IndexMap::with_capacity(entries.len());
@@ -452,12 +452,12 @@ impl Shape<'_, '_> {
             position: Position::of(self.text, node.at),
             expected,
             found: match node.value {
-                Literal::Null => "null",
-                Literal::Bool(_) => "true or false",
-                Literal::Number(_) => "a number",
-                Literal::Text(_) => "a text",
-                Literal::List(_) => "a list",
-                Literal::Object(_) => "an object",
+                LiteralValue::Null => "null",
+                LiteralValue::Bool(_) => "true or false",
+                LiteralValue::Number(_) => "a number",
+                LiteralValue::Text(_) => "a text",
+                LiteralValue::List(_) => "a list",
+                LiteralValue::Object(_) => "an object",
             },
         }
     }

@@ -10,7 +10,7 @@ use super::{FoundPlan, INNERMOST, find};
 use crate::plan::WrittenStep;
 use longstep_model::call::{Call, NOTATION};
 use longstep_model::json::Path;
-use longstep_model::literal::{self, Member, Value, ValueNode};
+use longstep_model::literal::{self, LiteralValue, Member, ValueNode};
 
 /// Keys under which a list of texts is a list of steps. Under other keys, a list of calls may be goals or states.
 const LIST_KEYS: [&str; 21] = [
@@ -260,7 +260,7 @@ impl<'v> Search<'v> {
             return;
         }
         match &node.value {
-            Value::List(items) => {
+            LiteralValue::List(items) => {
                 if let Some(steps) = step_list(items, listed != Listed::Other) {
                     self.steps(steps, &items.iter().collect::<Vec<_>>(), path, listed);
                     return;
@@ -269,8 +269,8 @@ impl<'v> Search<'v> {
                     self.value(item, &path.index(index), Listed::Other);
                 }
             }
-            Value::Object(members) if is_environment(members) => {}
-            Value::Object(members) => {
+            LiteralValue::Object(members) if is_environment(members) => {}
+            LiteralValue::Object(members) => {
                 if let Some(step) = step_of_object(members) {
                     self.found.push(match fault_of_steps(&[node]) {
                         Some((at, message)) => PlanCandidate::Refused { at, message },
@@ -286,7 +286,7 @@ impl<'v> Search<'v> {
                 }
                 let spoken = |member: &&Member| has_key(member, &EXPLANATION_KEYS);
                 for Member { key, node, .. } in members.iter().filter(|member| !spoken(member)) {
-                    if let Value::Text(reason) = &node.value
+                    if let LiteralValue::Text(reason) = &node.value
                         && END_KEYS.contains(&snake_case(key).as_str())
                         && NOT_WHOLE.contains(&reason.to_lowercase().as_str())
                     {
@@ -299,8 +299,8 @@ impl<'v> Search<'v> {
                     self.value(node, &path.push(&literal::shorten(key)), list_under(key));
                 }
             }
-            Value::Text(text) => self.text(text, node.at, path),
-            Value::Null | Value::Bool(_) | Value::Number(_) => {}
+            LiteralValue::Text(text) => self.text(text, node.at, path),
+            LiteralValue::Null | LiteralValue::Bool(_) | LiteralValue::Number(_) => {}
         }
     }
 
@@ -362,9 +362,9 @@ fn step_list(items: &[ValueNode], is_plan: bool) -> Option<Vec<WrittenStep>> {
 /// Returns the step that a value is; a text, a tuple and an object of one key are steps in a plan only.
 fn step(item: &ValueNode, is_plan: bool) -> Option<WrittenStep> {
     match &item.value {
-        Value::Object(members) => step_of_object(members).or_else(|| step_of_pair(members).filter(|_| is_plan)),
-        Value::Text(text) if is_plan => step_of_text(text),
-        Value::List(parts) if is_plan => step_of_tuple(parts),
+        LiteralValue::Object(members) => step_of_object(members).or_else(|| step_of_pair(members).filter(|_| is_plan)),
+        LiteralValue::Text(text) if is_plan => step_of_text(text),
+        LiteralValue::List(parts) if is_plan => step_of_tuple(parts),
         _ => None,
     }
 }
@@ -385,7 +385,7 @@ fn counted(members: &[Member]) -> Option<Vec<&ValueNode>> {
 /// Returns true for a member of a step that is neither its action nor an argument of it, and that a plan has no place for.
 fn is_beside_step(members: &[Member], member: &Member) -> bool {
     let is_given =
-        |own: &Member| is_arguments(own) || matches!(&own.node.value, Value::Text(text) if text.contains('('));
+        |own: &Member| is_arguments(own) || matches!(&own.node.value, LiteralValue::Text(text) if text.contains('('));
     let keys = [&ACTION_KEYS[..], &NAME_KEYS, &EXPLANATION_KEYS, &COUNT_KEYS];
     members.iter().any(is_given) && !is_arguments(member) && !keys.iter().any(|keys| has_key(member, keys))
 }
@@ -395,10 +395,12 @@ fn is_beside_step(members: &[Member], member: &Member) -> bool {
 fn fault_of_steps(items: &[&ValueNode]) -> Option<(usize, String)> {
     let mut last: Option<(&str, f64)> = None;
     for item in items {
-        let Value::Object(members) = &item.value else { continue };
+        let LiteralValue::Object(members) = &item.value else {
+            continue;
+        };
         for member in members {
             let Member { key, node, .. } = member;
-            if let Value::Number(digits) = &node.value
+            if let LiteralValue::Number(digits) = &node.value
                 && has_key(member, &COUNT_KEYS)
                 && let Ok(number) = digits.parse::<f64>()
             {
@@ -416,7 +418,7 @@ fn fault_of_steps(items: &[&ValueNode]) -> Option<(usize, String)> {
             }
             let has_steps = |items: &[ValueNode]| step_list(items, true).is_some();
             if is_beside_step(members, member)
-                && matches!(&node.value, Value::List(items) if has_steps(items))
+                && matches!(&node.value, LiteralValue::List(items) if has_steps(items))
                 && snake_case(key) != "preconditions"
             {
                 return Some((node.at, format!("there are steps in a step, under `{key}`")));
@@ -427,14 +429,14 @@ fn fault_of_steps(items: &[&ValueNode]) -> Option<(usize, String)> {
 }
 
 /// Returns true if the value of a key that changes a step's meaning leaves it as it is.
-fn says_nothing(key: &str, value: &Value) -> bool {
+fn says_nothing(key: &str, value: &LiteralValue) -> bool {
     match value {
-        Value::Null => true,
-        Value::Bool(is_set) => *is_set == (snake_case(key) == "enabled"),
-        Value::Number(digits) => digits == "1" || (digits == "0" && !matches!(key, "times" | "repeat")),
-        Value::Text(text) => text.trim().is_empty(),
-        Value::List(items) => items.is_empty(),
-        Value::Object(members) => members.is_empty(),
+        LiteralValue::Null => true,
+        LiteralValue::Bool(is_set) => *is_set == (snake_case(key) == "enabled"),
+        LiteralValue::Number(digits) => digits == "1" || (digits == "0" && !matches!(key, "times" | "repeat")),
+        LiteralValue::Text(text) => text.trim().is_empty(),
+        LiteralValue::List(items) => items.is_empty(),
+        LiteralValue::Object(members) => members.is_empty(),
     }
 }
 
@@ -442,10 +444,12 @@ fn says_nothing(key: &str, value: &Value) -> bool {
 fn ignored_keys(items: &[&ValueNode]) -> Vec<String> {
     let mut ignored: Vec<String> = Vec::new();
     for item in items {
-        let Value::Object(members) = &item.value else { continue };
+        let LiteralValue::Object(members) = &item.value else {
+            continue;
+        };
         for member in members {
             let is_known = ignored.contains(&member.key) || has_key(member, &MEANING_KEYS);
-            if !is_known && is_beside_step(members, member) && member.node.value != Value::Null {
+            if !is_known && is_beside_step(members, member) && member.node.value != LiteralValue::Null {
                 ignored.push(member.key.clone());
             }
         }
@@ -465,14 +469,14 @@ fn step_of_object(members: &[Member]) -> Option<WrittenStep> {
             .iter()
             .filter(|member| has_key(member, keys) && !is_arguments(member));
         keyed.find_map(|member| match &member.node.value {
-            Value::Text(text) => Some((member, bare_step(text).or_else(|| step_of_text(text))?)),
+            LiteralValue::Text(text) => Some((member, bare_step(text).or_else(|| step_of_text(text))?)),
             _ => None,
         })
     };
     let (own, mut step) = step_with(&ACTION_KEYS).or_else(|| given.and(step_with(&NAME_KEYS)))?;
-    let is_whole = matches!(&own.node.value, Value::Text(text) if bare_step(text).is_none());
+    let is_whole = matches!(&own.node.value, LiteralValue::Text(text) if bare_step(text).is_none());
     let mut spoken = members.iter().filter(|member| has_key(member, &EXPLANATION_KEYS));
-    if let Some(Value::Text(text)) = spoken.next().map(|member| &member.node.value)
+    if let Some(LiteralValue::Text(text)) = spoken.next().map(|member| &member.node.value)
         && step.explanation.is_empty()
     {
         step.explanation.clone_from(text);
@@ -483,7 +487,9 @@ fn step_of_object(members: &[Member]) -> Option<WrittenStep> {
         Some(member) => add_arguments(&mut step, &member.node.value)?,
         None => {
             let named = members.iter().filter(|member| {
-                !std::ptr::eq(*member, own) && !has_key(member, &without_meaning) && member.node.value != Value::Null
+                !std::ptr::eq(*member, own)
+                    && !has_key(member, &without_meaning)
+                    && member.node.value != LiteralValue::Null
             });
             for member in named {
                 step.implicit.push((member.key.clone(), argument(&member.node.value)?));
@@ -506,7 +512,7 @@ fn step_of_pair(members: &[Member]) -> Option<WrittenStep> {
 /// Returns the step of a list with the action first: `("Grab", "<cup>")`.
 fn step_of_tuple(parts: &[ValueNode]) -> Option<WrittenStep> {
     let (action, rest) = parts.split_first()?;
-    let Value::Text(action) = &action.value else {
+    let LiteralValue::Text(action) = &action.value else {
         return None;
     };
     let mut step = bare_step(action)?;
@@ -522,7 +528,7 @@ fn step_of_tuple(parts: &[ValueNode]) -> Option<WrittenStep> {
 }
 
 /// Returns the step of an action whose input is a value.
-pub(super) fn step_with_input(action: &str, input: &Value) -> Option<WrittenStep> {
+pub(super) fn step_with_input(action: &str, input: &LiteralValue) -> Option<WrittenStep> {
     let mut step = bare_step(action)?;
     add_arguments(&mut step, input)?;
     Some(step)
@@ -537,33 +543,35 @@ pub(super) fn bare_step(action: &str) -> Option<WrittenStep> {
 }
 
 /// Adds arguments in the order of a list, by the names of an object, of such an object in a text, or one alone.
-pub(super) fn add_arguments(step: &mut WrittenStep, value: &Value) -> Option<()> {
+pub(super) fn add_arguments(step: &mut WrittenStep, value: &LiteralValue) -> Option<()> {
     match value {
-        Value::Null => {}
-        Value::List(items) => {
+        LiteralValue::Null => {}
+        LiteralValue::List(items) => {
             for item in items {
                 step.call.arguments.push(argument(&item.value)?);
             }
         }
-        Value::Object(members) => {
+        LiteralValue::Object(members) => {
             for Member { key, node, .. } in members {
                 match &node.value {
-                    Value::List(_) if members.len() == 1 => add_arguments(step, &node.value)?,
+                    LiteralValue::List(_) if members.len() == 1 => add_arguments(step, &node.value)?,
                     value => step.implicit.push((key.clone(), argument(value)?)),
                 }
             }
         }
-        Value::Text(text) if text.trim_start().starts_with('{') => {
+        LiteralValue::Text(text) if text.trim_start().starts_with('{') => {
             let inner = literal::whole(text).ok()?;
             match &inner.node.value {
-                Value::Object(_) => add_arguments(step, &inner.node.value)?,
+                LiteralValue::Object(_) => add_arguments(step, &inner.node.value)?,
                 _ => return None,
             }
         }
-        Value::Text(text) if text.trim().is_empty() => {}
-        Value::Text(text) if text.contains(',') => {
+        LiteralValue::Text(text) if text.trim().is_empty() => {}
+        LiteralValue::Text(text) if text.contains(',') => {
             for part in text.split(',') {
-                step.call.arguments.push(argument(&Value::Text(part.to_owned()))?);
+                step.call
+                    .arguments
+                    .push(argument(&LiteralValue::Text(part.to_owned()))?);
             }
         }
         value => step.call.arguments.push(argument(value)?),
@@ -572,13 +580,13 @@ pub(super) fn add_arguments(step: &mut WrittenStep, value: &Value) -> Option<()>
 }
 
 /// Returns the argument of a step: a name or a number.
-fn argument(value: &Value) -> Option<String> {
+fn argument(value: &LiteralValue) -> Option<String> {
     match value {
-        Value::Text(text) => {
+        LiteralValue::Text(text) => {
             let text = text.trim();
             (!text.is_empty() && !text.contains(NOTATION) && !text.contains(['{', '[', '\n'])).then(|| text.to_owned())
         }
-        Value::Number(digits) => Some(digits.clone()),
+        LiteralValue::Number(digits) => Some(digits.clone()),
         _ => None,
     }
 }

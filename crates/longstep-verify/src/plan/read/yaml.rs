@@ -10,7 +10,9 @@ use super::objects::plan_of_value;
 use super::unreadable::Unreadable;
 use super::{FoundPlan, around, blocks};
 use longstep_model::diagnostic::Position;
-use longstep_model::literal::{DEEPEST, FENCE, LeniencyKind, Literal, Member, Notes, PLAN_KEYS, Value, ValueNode};
+use longstep_model::literal::{
+    DEEPEST, FENCE, LeniencyKind, LiteralValue, Member, Notes, PLAN_KEYS, ParsedLiteral, ValueNode,
+};
 
 /// Finds the plan of a text in YAML, alone or in code blocks; none if nothing there has one.
 pub(super) fn find(text: &str) -> Option<Result<FoundPlan, Unreadable>> {
@@ -66,7 +68,7 @@ fn plan(text: &str, part: Range<usize>) -> Option<Result<FoundPlan, Unreadable>>
     let mut notes = Notes::default();
     notes.add(LeniencyKind::Notation("YAML"), part.start);
     match value(text, part) {
-        Ok(Some(node)) => plan_of_value(text, Literal::of_node(node, notes), 0),
+        Ok(Some(node)) => plan_of_value(text, ParsedLiteral::of_node(node, notes), 0),
         Ok(None) => None,
         Err(fault) if inside.lines().any(|line| begins_plan(line.trim_start())) => Some(Err(fault)),
         Err(_) => None,
@@ -118,7 +120,7 @@ fn value(text: &str, part: Range<usize>) -> Result<Option<ValueNode>, Unreadable
             Event::SequenceEnd | Event::MappingEnd => match open.pop() {
                 Some(Open::List(at, items)) => ValueNode {
                     at,
-                    value: Value::List(items),
+                    value: LiteralValue::List(items),
                 },
                 Some(Open::Object(at, members, _)) => {
                     let mut keys = FxHashSet::default();
@@ -127,7 +129,7 @@ fn value(text: &str, part: Range<usize>) -> Result<Option<ValueNode>, Unreadable
                     }
                     ValueNode {
                         at,
-                        value: Value::Object(members),
+                        value: LiteralValue::Object(members),
                     }
                 }
                 None => continue,
@@ -142,27 +144,27 @@ fn value(text: &str, part: Range<usize>) -> Result<Option<ValueNode>, Unreadable
                     None,
                     ValueNode {
                         at,
-                        value: Value::Text(text),
+                        value: LiteralValue::Text(text),
                     },
                 ) => *key = Some((at, text)),
                 (None, _) => return Err(malformed(at, "a key is a text")),
             },
             // What follows the end of a document may be empty.
-            None if done.is_some() && node.value == Value::Null => {}
+            None if done.is_some() && node.value == LiteralValue::Null => {}
             None if done.is_some() => return Err(malformed(at, "a second document begins here")),
             None => done = Some(node),
         }
     }
-    Ok(done.filter(|node| matches!(node.value, Value::List(_) | Value::Object(_))))
+    Ok(done.filter(|node| matches!(node.value, LiteralValue::List(_) | LiteralValue::Object(_))))
 }
 
 /// Returns the value of a scalar. Names may be numbers, so plain numbers stay texts.
-fn scalar(text: Cow<'_, str>, style: ScalarStyle) -> Value {
+fn scalar(text: Cow<'_, str>, style: ScalarStyle) -> LiteralValue {
     match (style, text.as_ref()) {
-        (ScalarStyle::Plain, "" | "~" | "null") => Value::Null,
-        (ScalarStyle::Plain, "true") => Value::Bool(true),
-        (ScalarStyle::Plain, "false") => Value::Bool(false),
-        _ => Value::Text(text.into_owned()),
+        (ScalarStyle::Plain, "" | "~" | "null") => LiteralValue::Null,
+        (ScalarStyle::Plain, "true") => LiteralValue::Bool(true),
+        (ScalarStyle::Plain, "false") => LiteralValue::Bool(false),
+        _ => LiteralValue::Text(text.into_owned()),
     }
 }
 

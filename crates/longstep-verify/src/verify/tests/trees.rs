@@ -1,8 +1,9 @@
 //! Tests of branches, loops and lanes.
 
 use super::bench::{self, Guard, Part, does, domain, messages, not, plan, report, world};
-use crate::verify::{Purpose, STATES, Violation, check as check_plan};
+use crate::verify::{Milestone, Purpose, Report, STATES, Violation, check as check_plan, simulated};
 use longstep_model::effort;
+use longstep_model::model::{Condition, Wanted, World};
 
 /// Checks the messages for a plan with three lamps of which the first is lit.
 fn check(parts: &[Part], expected: &[&str]) {
@@ -244,6 +245,54 @@ fn a_thousand_branches_that_come_together_are_followed() {
         panic!("{:?}", apart.violations);
     };
     assert_eq!((*step, *states), (Some(12 * 5), 2 * STATES));
+}
+
+/// Returns the milestone that the first lamp is lit while the second one is not.
+fn lit_before(world: &World, first: usize, second: usize) -> Milestone {
+    let lit = Wanted::of_fact(world.domain(), bench::fact(world, "lit", first));
+    let other_is_dark = lit.condition.clone().with_slots(&|_| 1).complement();
+    Milestone {
+        wanted: Wanted {
+            condition: Condition::And(vec![lit.condition, other_is_dark]),
+            bindings: vec![bench::lamp(world, first), bench::lamp(world, second)],
+        },
+        anew: false,
+    }
+}
+
+#[test]
+fn lanes_with_more_paths_than_the_limit_are_refused() {
+    // Each order of the steps of the two lanes makes a progress of its own, and 16 steps have 12,870 orders.
+    let domain = domain();
+    let none: &[&str] = &[];
+    for (count, expected, within_budget) in [
+        (6, none, none),
+        (7, none, &["too_much_work"]),
+        (8, &["too_many_states", "order"], &["too_much_work"]),
+    ] {
+        let world = world(&domain, 2 * count, &[]);
+        let (left, right) = (1..=count, count + 1..=2 * count);
+        let lanes = vec![
+            ("left", left.clone().map(|lamp| format!("press left {lamp}")).collect()),
+            (
+                "right",
+                right.clone().map(|lamp| format!("press right {lamp}")).collect(),
+            ),
+        ];
+        // At the end, all lamps of the one lane are lit and those of the other are not, whatever the order was.
+        let mut parts = vec![Part::Lanes(lanes)];
+        parts.extend(right.clone().map(|lamp| does(&format!("unpress right {lamp}"))));
+        let pairs = left.flat_map(|first| right.clone().map(move |second| (first, second)));
+        let purpose = Purpose {
+            stages: vec![pairs.map(|(first, second)| lit_before(&world, first, second)).collect()],
+            ..Purpose::default()
+        };
+        let kinds = |report: &Report| report.violations.iter().map(Violation::kind).collect::<Vec<_>>();
+        let report = simulated(&world, plan(&world, &parts), &purpose);
+        assert_eq!(kinds(&report), expected, "{count} lamps in each lane");
+        let report = check_plan(&world, plan(&world, &parts), &purpose);
+        assert_eq!(kinds(&report), within_budget, "{count} lamps in each lane");
+    }
 }
 
 #[test]
