@@ -53,7 +53,7 @@ impl Scene {
                 "kitchen",
                 "household-checks",
                 include_str!("../scenes/kitchen.json"),
-                "If the cheese has expired put it in the trash bin, otherwise on the shelf",
+                "If the cream has expired put it in the scrap bin, otherwise on the ledge",
             ),
         ]
     }
