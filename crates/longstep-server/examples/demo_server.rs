@@ -31,10 +31,10 @@ const ANSWERS: [(&str, &str); 9] = [
     ),
     ("cereal on the counter", "put(cereal, counter)"),
     ("cereal instead", r#"{"question": "", "goal": true, "edits": []}"#),
-    ("butter", "put(butter, counter)"),
+    ("butter on the counter", "put(butter, counter)"),
     ("the drink", "?Which drink?"),
-    ("cream", "if expired(cream) then put(cream, scrap bin) else put(cream, ledge)"),
-    ("never", "never put(juice, trash bin)"),
+    ("cream has expired", "if expired(cream) then put(cream, scrap bin) else put(cream, ledge)"),
+    ("never put the juice", "never put(juice, trash bin)"),
     ("cloth in the fridge", "put(cloth, fridge)"),
 ];
 
@@ -56,7 +56,7 @@ fn main() {
     let minutes = std::env::args().nth(1).map_or(10, |minutes| minutes.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let open = || Ok(Box::new(Scripted(ANSWERS.to_vec())) as Box<dyn ChatModel>);
-    let models = Models::open(Arc::new(open), 1, 8).unwrap();
+    let models = Models::open(Arc::new(open), 2, 8).unwrap();
     let domains = Domains::new(&[], Scene::shipped()).unwrap();
     let configuration = Configuration::new(store(&folder), domains);
     let hub = Hub::open(configuration.with_models(models).with_robots(robots())).unwrap();

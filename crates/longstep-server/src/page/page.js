@@ -6,7 +6,7 @@
   const live = () => find("live");
   const fields = "input, textarea, select";
   let source, requests = new AbortController();
-  let isRefreshing = false, isStale = false, isSending = false, changes = 0, swappedAt = 0, shown = "";
+  let isRefreshing = false, isStale = false, isSending = false, changes = 0, swappedAt = 0, shown = "", progress = "";
 
   // The part that changes
 
@@ -65,6 +65,7 @@
     document.title = `${next.dataset.title} · Longstep`;
     swappedAt = Date.now();
     showTimes();
+    showProgress();
     if (focused && focused !== document.body && !focused.isConnected) live().focus({ preventScroll: true });
   }
 
@@ -87,6 +88,11 @@
     } catch { /* The live stream says that the server does not answer. */ }
     isRefreshing = false;
     if (isStale && !isSending) setTimeout(refresh, 100);
+  }
+
+  // The stream may be faster than the page that shows it.
+  function showProgress() {
+    if (progress && find("progress")) find("progress").textContent = progress;
   }
 
   function showTimes() {
@@ -115,8 +121,8 @@
     source.addEventListener("happened", (event) => {
       const what = JSON.parse(event.data);
       if (what.kind !== "progress") return refresh();
-      const progress = find("progress");
-      if (progress) progress.textContent = `The model: ${what.text} …`;
+      progress = `The model: ${what.text} …`;
+      showProgress();
     });
   }
 
@@ -133,6 +139,7 @@
   async function send(form) {
     isSending = true;
     changes += 1;
+    progress = "";
     form.setAttribute("aria-busy", "true");
     try {
       const options = { method: "POST", body: new URLSearchParams(new FormData(form)), headers: { Accept: "text/html" } };
