@@ -284,3 +284,95 @@ pub(crate) fn possible_outcomes(world: &World, step: &Step) -> Vec<Fact> {
     let outcomes = world.domain().action(step.action).senses.iter();
     outcomes.map(|atom| ground(atom, &step.arguments)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use longstep_core::testing;
+    use longstep_core::verify::VerifiedPlan;
+
+    use super::*;
+    use crate::shipped;
+
+    /// Counts the visits of each step.
+    struct Counter(Vec<usize>);
+
+    impl Follower for Counter {
+        type Memory = ();
+
+        fn visit(&mut self, visit: &Visit<'_>, _memory: &mut ()) {
+            self.0[visit.step.index()] += 1;
+        }
+
+        fn join(&mut self, _memory: &mut (), _other: ()) {}
+    }
+
+    /// Checks that the walk ends in the states in which verification ends, and visits every step.
+    #[track_caller]
+    fn check_walk(plan: &VerifiedPlan) {
+        let mut counter = Counter(vec![0; plan.steps().len()]);
+        let ends = walk(plan.world(), plan.plan(), &mut counter);
+        let found: Vec<&State> = ends.iter().map(|end| &end.state).collect();
+        assert_eq!(found.len(), plan.endings().len());
+        assert!(plan.endings().iter().all(|ending| found.contains(&&ending.after)));
+        assert!(counter.0.iter().all(|visits| *visits > 0), "{:?}", counter.0);
+    }
+
+    #[test]
+    fn walk_ends_where_verification_ends() {
+        let pantry = "crates/longstep-eval/suites/branching/scenes/pantry.json";
+        let table = [
+            (
+                pantry,
+                "if expired(milk) then put(milk, trash bin) else put(milk, pantry shelf)",
+            ),
+            (
+                pantry,
+                "put(ham, fridge) & if empty(cereal) then put(cereal, trash bin)",
+            ),
+            (
+                pantry,
+                "if expired(milk) then put(milk, trash bin) & if expired(ham) then put(ham, trash bin)",
+            ),
+        ];
+        for (file, goal) in table {
+            check_walk(&testing::plan_for(&shipped::world("household-checks", file), goal));
+        }
+        let workshop = "crates/longstep-eval/suites/two-arms/scenes/workshop.json";
+        check_walk(&testing::plan_for(
+            &shipped::world("household-dual", workshop),
+            "put(vise, workbench)",
+        ));
+    }
+
+    /// A plan that senses 11 places: 2,048 states, more than the walk follows. A sensing step is visited once for each outcome.
+    #[test]
+    fn walk_of_too_many_states_is_bounded_and_visits_the_first_ones() {
+        let names: Vec<String> = (0..11).map(|number| format!("<table_{number}>")).collect();
+        let world = testing::world("household-checks", serde_json::json!({"assets": names}));
+        let steps: Vec<Step> = names
+            .iter()
+            .flat_map(|name| [("move-hand", name), ("check-cleanness", name)])
+            .map(|(action, name)| shipped::step(&world, action, &[name]))
+            .collect();
+        let id = StepId::new;
+        let body = (0..names.len()).flat_map(|number| {
+            let condition = Test::Sense(id(2 * number + 1));
+            let branch = Node::If {
+                condition,
+                then: Vec::new(),
+                otherwise: Vec::new(),
+            };
+            [Node::Step(id(2 * number)), branch]
+        });
+        let plan = Plan::tree(steps, body.collect()).unwrap();
+        let plan = shipped::verified(&world, plan);
+        assert_eq!(plan.endings().len(), 2_048);
+        let mut counter = Counter(vec![0; plan.steps().len()]);
+        assert_eq!(walk(&world, plan.plan(), &mut counter).len(), STATES);
+        assert!(
+            counter.0.iter().all(|visits| (1..=2 * STATES).contains(visits)),
+            "{:?}",
+            counter.0
+        );
+    }
+}

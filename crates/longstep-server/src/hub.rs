@@ -86,6 +86,8 @@ pub struct Hub {
     pub(crate) feed: Arc<Feed>,
     sessions: Mutex<HashMap<SessionId, Arc<Hosted>>>,
     pub(crate) runs: Mutex<HashMap<RunId, Arc<HostedRun>>>,
+    /// Held while a run is begun, so that of two for one session one is refused.
+    pub(crate) beginning: Mutex<()>,
     pub(crate) queues: Queues,
 }
 
@@ -154,6 +156,7 @@ impl Hub {
             feed: Arc::default(),
             sessions: Mutex::default(),
             runs: Mutex::default(),
+            beginning: Mutex::default(),
             queues: Queues::default(),
         };
         hub.load_runs()?;

@@ -20,6 +20,8 @@ mod hosted;
 pub mod http;
 mod hub;
 mod id;
+#[cfg(feature = "mcp")]
+pub mod mcp;
 mod models;
 mod operate;
 mod page;

@@ -69,6 +69,7 @@ impl Hub {
     pub fn start(&self, approval: &ApprovalId, urgent: bool, by: &str) -> Result<Arc<RunView>, Problem> {
         let approval = self.approvals.find(approval)?;
         let hosted = self.hosted(&approval.session)?;
+        let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
         self.refuse_during_run(&approval.session)?;
         let snapshot = hosted.snapshot();
         let entry = self.robot(&approval.robot)?.clone();
@@ -266,6 +267,7 @@ impl Hub {
             return Err(Problem::conflict("the run cannot be resumed"));
         }
         let record = run.record().clone();
+        let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
         self.refuse_during_run(&record.session)?;
         let hosted = self.hosted(&record.session)?;
         let (domain, events) = self.run_log(id)?;

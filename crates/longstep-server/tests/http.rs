@@ -63,20 +63,33 @@ fn check_described(method: &str, path: &str, answered: &Answered) {
     let own: Vec<&str> = path.split('/').collect();
     let fits = |known: &str| {
         let known: Vec<&str> = known.split('/').collect();
-        known.len() == own.len() && known.iter().zip(&own).all(|(known, own)| *known == "{id}" || known == own)
+        known.len() == own.len()
+            && known
+                .iter()
+                .zip(&own)
+                .all(|(known, own)| *known == "{id}" || known == own)
     };
     let paths = DOCUMENT["paths"].as_object().unwrap();
     // `/api/sessions/{id}/plan` fits no other path, so one is found.
-    let Some(operation) = paths.iter().find(|(known, _)| fits(known)).map(|(_, all)| &all[method.to_lowercase()]) else {
+    let Some(operation) = paths
+        .iter()
+        .find(|(known, _)| fits(known))
+        .map(|(_, all)| &all[method.to_lowercase()])
+    else {
         return;
     };
     let responses = &operation["responses"];
-    let response = responses.get(answered.status.to_string()).unwrap_or(&responses["default"]);
+    let response = responses
+        .get(answered.status.to_string())
+        .unwrap_or(&responses["default"]);
     let mut schema = response["content"]["application/json"]["schema"].clone();
     schema["components"] = DOCUMENT["components"].clone();
     let validator = jsonschema::validator_for(&schema).unwrap();
     let body = answered.json();
-    let errors: Vec<String> = validator.iter_errors(&body).map(|error| format!("{}: {error}", error.instance_path())).collect();
+    let errors: Vec<String> = validator
+        .iter_errors(&body)
+        .map(|error| format!("{}: {error}", error.instance_path()))
+        .collect();
     assert!(errors.is_empty(), "{method} {path} {}: {errors:#?}", answered.status);
 }
 
@@ -232,20 +245,35 @@ fn a_hanging_run_is_stopped_paused_and_continued() {
 fn plans_are_made_verified_repaired_and_found_without_a_session() {
     let served = served("");
     let place = json!({"scene": "desk"});
-    let (_, planned) = served.post("/api/plan", &json!({"place": place, "instruction": "Put the pen on the shelf"}));
-    assert_eq!((&planned["status"], planned["steps"].as_array().unwrap().len()), (&json!("verified"), 6));
+    let (_, planned) = served.post(
+        "/api/plan",
+        &json!({"place": place, "instruction": "Put the pen on the shelf"}),
+    );
+    assert_eq!(
+        (&planned["status"], planned["steps"].as_array().unwrap().len()),
+        (&json!("verified"), 6)
+    );
     let (_, verified) = served.post("/api/verify", &json!({"place": place, "plan": planned["plan"]}));
     assert_eq!(verified["status"], "verified");
     let short = r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#;
     let (_, invalid) = served.post("/api/verify", &json!({"place": place, "plan": short}));
     assert_eq!(invalid["status"], "invalid");
-    let (_, repaired) = served.post("/api/repair", &json!({"place": place, "plan": short, "goal": "put(pen, shelf)"}));
-    assert!(repaired["status"] == "verified" && !repaired["edits"].as_array().unwrap().is_empty(), "{repaired}");
+    let (_, repaired) = served.post(
+        "/api/repair",
+        &json!({"place": place, "plan": short, "goal": "put(pen, shelf)"}),
+    );
+    assert!(
+        repaired["status"] == "verified" && !repaired["edits"].as_array().unwrap().is_empty(),
+        "{repaired}"
+    );
     let (_, solved) = served.post("/api/solve", &json!({"place": place, "goal": "put(cup, table)"}));
     assert_eq!(solved["status"], "verified");
     let (status, error) = served.post("/api/solve", &json!({"place": place, "goal": "put(cup, moon)"}));
     assert_eq!(status, 400, "{error}");
-    let (status, asked) = served.post("/api/plan", &json!({"place": place, "instruction": "Put something away"}));
+    let (status, asked) = served.post(
+        "/api/plan",
+        &json!({"place": place, "instruction": "Put something away"}),
+    );
     assert_eq!((status, &asked["status"]), (200, &json!("question")));
     assert_eq!(served.get("/api/server")["model"]["name"], "scripted");
     assert!(served.get("/api/sessions")["sessions"].as_array().unwrap().is_empty());

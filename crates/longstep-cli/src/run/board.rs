@@ -78,13 +78,12 @@ impl DrawnBoard {
         if self.steps.steps().is_empty() {
             return;
         }
-        let begun = self.begun;
-        let bar = self.bar.get_or_insert_with(|| drawn(begun));
         let (width, height) = output::terminal_size();
         let mut lines = vec![composed!("{}", self.fraction().bold())];
         // The last column of a terminal breaks the line.
         lines.extend(self.lines(width.saturating_sub(1), height.saturating_sub(FREE_LINES)));
-        output::board(bar, &lines);
+        let begun = self.begun;
+        output::board(self.bar.get_or_insert_with(|| drawn(begun)), &lines);
     }
 
     /// Removes the board from the terminal, while a person is asked.

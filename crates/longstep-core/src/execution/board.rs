@@ -56,9 +56,10 @@ pub struct BoardStep {
 }
 
 /// A line of a board. Entries are indices of [`Board::steps`].
+///
+/// Exhaustive on purpose: whoever draws a board has to draw every line.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum BoardLine {
     /// A step within so many branches and loops.
     Step {

@@ -1,6 +1,7 @@
 //! The facts and numbers that the truth of a condition rests on.
 
-use super::{Bindings, Condition, Fact, Fluent, Moment, State, Voice, When, World, ground, holds};
+use super::condition::Slot;
+use super::{Bindings, Condition, Fact, Fluent, Moment, State, Term, Voice, When, World, ground, holds};
 use crate::effort;
 
 /// A fact or a number of a state.
@@ -82,6 +83,7 @@ fn found(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings, wei
             let alternatives = parts.iter().filter(|_| effort::spend(1));
             return lightest(alternatives.map(|part| found(moment, part, bindings, weight)));
         }
+        Condition::Forall(slot, _, inner) if is_certain_without(moment, inner, *slot, bindings, weight) => {}
         Condition::Forall(_, kind, inner) => {
             for entity in moment.world.of_kind(*kind).iter().filter(|_| effort::spend(1)) {
                 bindings.push(*entity);
@@ -122,6 +124,31 @@ fn found(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings, wei
     Some(support)
 }
 
+/// Returns true if a disjunction, within any quantifiers, has an alternative that holds with certainty whatever the entity in
+/// the slot and in later ones: "nothing in the fridge is ..." needs no look at the entities if it is about no fridge.
+fn is_certain_without(
+    moment: Moment<'_>,
+    condition: &Condition,
+    slot: Slot,
+    bindings: &mut Bindings,
+    weight: Weight<'_>,
+) -> bool {
+    match condition {
+        Condition::Forall(_, _, inner) => is_certain_without(moment, inner, slot, bindings, weight),
+        Condition::Or(parts) => parts
+            .iter()
+            .any(|part| is_certain_without(moment, part, slot, bindings, weight)),
+        Condition::Atom { atom, at, .. } => {
+            let is_bound = |term: &Term| !matches!(term, Term::Variable(own) if *own >= slot);
+            effort::spend(1)
+                && atom.terms.iter().all(is_bound)
+                && holds(moment, condition, bindings)
+                && (*at != When::Now || weight(StateVariable::Fact(ground(atom, bindings))) == 0)
+        }
+        _ => false,
+    }
+}
+
 /// Returns the first of the lightest alternatives that hold.
 fn lightest(alternatives: impl Iterator<Item = Option<Support>>) -> Option<Support> {
     let mut best: Option<Support> = None;
@@ -135,4 +162,47 @@ fn lightest(alternatives: impl Iterator<Item = Option<Support>>) -> Option<Suppo
         }
     }
     best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    #[test]
+    fn quantifiers_are_not_enumerated_where_the_rest_is_certain() {
+        let handles: Vec<String> = (0..200).map(|number| format!("<box_{number}_handle>")).collect();
+        let assets: Vec<String> = (0..200).map(|number| format!("<box_{number}>")).collect();
+        let objects = [handles, vec!["<cup>".to_owned()]].concat();
+        let environment = serde_json::json!({"assets": assets, "objects": objects,
+            "object_states": {"<cup>": "inside_something(<box_3>)", "<box_3_handle>": "open()"}});
+        let world = testing::world("household", environment);
+        let grasp = world
+            .domain()
+            .actions
+            .iter()
+            .find(|action| action.name == "grasp")
+            .unwrap();
+        let predicate = |name: &str| {
+            let index = world.domain().predicates.iter().position(|own| own.name == name);
+            crate::model::PredicateId::new(index.unwrap())
+        };
+        let id = |name: &str| world.find(name).unwrap();
+        let closed = StateVariable::Fact(Fact::new(predicate("closed"), [id("<box_3_handle>")]));
+        let mut state = world.state.clone();
+        state.set(Fact::new(predicate("hand-at"), [id("<cup>")]), true);
+        let moment = Moment {
+            world: &world,
+            state: &state,
+        };
+        let mut bindings = vec![id("<cup>")];
+        // Only the handle of the box around the cup counts, however many boxes there are.
+        let spent = effort::within(u64::MAX, || {
+            support(moment, &grasp.precondition, &mut bindings, &|variable| {
+                u32::from(variable == closed)
+            })
+        });
+        assert_eq!(spent.result, Some(vec![closed]));
+        assert!(spent.units < 20_000, "{}", spent.units);
+    }
 }

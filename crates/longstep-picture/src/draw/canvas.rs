@@ -20,20 +20,35 @@ impl Area {
     pub(crate) fn right(self) -> f64 {
         self.x + self.width
     }
+
+    pub(crate) fn bottom(self) -> f64 {
+        self.y + self.height
+    }
 }
 
-/// Options of a picture.
+/// A line of text with its baseline.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
+pub(crate) struct Line {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) text: String,
+    pub(crate) font: Font,
+    pub(crate) paint: Paint,
+}
+
+/// Options of a picture: its width in pixels, from which the height follows, its title, and the start of its ids.
+///
+/// ```
+/// use longstep_picture::SvgOptions;
+/// let options = SvgOptions::new(360.0).with_prefix("step-3").with_title("After step 3").without_style();
+/// assert_ne!(options, SvgOptions::new(360.0));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
 pub struct SvgOptions {
-    /// Width of the picture in pixels; the height follows from the content.
-    pub width: f64,
-    /// Start of all ids in the picture, so that several pictures fit on one page.
-    pub prefix: String,
-    /// Title for readers who do not see the picture.
-    pub title: String,
-    /// False to leave out the stylesheet, for a page that has [`stylesheet`](super::stylesheet) once.
-    pub style: bool,
+    pub(crate) width: f64,
+    prefix: String,
+    pub(crate) title: String,
+    style: bool,
 }
 
 /// The least and the greatest width of a picture in pixels.
@@ -51,7 +66,7 @@ impl SvgOptions {
         }
     }
 
-    /// Sets the start of ids. Characters other than ASCII letters, digits, `-` and `_` are left out.
+    /// Sets the start of all ids, so that several pictures fit on one page. Characters other than ASCII letters, digits, `-` and `_` are left out.
     #[must_use]
     pub fn with_prefix(mut self, prefix: &str) -> Self {
         let is_plain = |c: &char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
@@ -59,14 +74,14 @@ impl SvgOptions {
         self
     }
 
-    /// Sets the title.
+    /// Sets the title, for readers who do not see the picture.
     #[must_use]
     pub fn with_title(mut self, title: &str) -> Self {
         title.clone_into(&mut self.title);
         self
     }
 
-    /// Leaves out the stylesheet.
+    /// Leaves out the stylesheet, for a page that has [`stylesheet`](super::stylesheet) once.
     #[must_use]
     pub fn without_style(mut self) -> Self {
         self.style = false;
@@ -81,16 +96,19 @@ pub(crate) struct Canvas {
 }
 
 impl Canvas {
-    /// Returns the whole picture with its frame.
-    pub(crate) fn finish(self, options: &SvgOptions, height: f64, title: &str, description: &str) -> String {
+    /// Returns the whole picture with its frame. A drawing that is wider than the picture is scaled down.
+    pub(crate) fn finish(self, options: &SvgOptions, drawn: (f64, f64), title: &str, description: &str) -> String {
         let mut out = String::with_capacity(self.body.len() + 4_096);
-        let (width, height) = (number(options.width), number(height.ceil()));
+        let scale = options.width / drawn.0;
+        let (width, height) = (number(drawn.0), number(drawn.1.ceil()));
         let prefix = &options.prefix;
         let _ = write!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"{prefix}\" class=\"ls-picture\" role=\"img\" \
-             aria-labelledby=\"{prefix}-title {prefix}-desc\" width=\"{width}\" height=\"{height}\" \
+             aria-labelledby=\"{prefix}-title {prefix}-desc\" width=\"{}\" height=\"{}\" \
              viewBox=\"0 0 {width} {height}\" font-family=\"{}\">",
+            number(options.width),
+            number((drawn.1.ceil() * scale).ceil()),
             theme::FONTS
         );
         let _ = write!(out, "<title id=\"{prefix}-title\">{}</title>", escaped(title));
@@ -160,14 +178,21 @@ impl Canvas {
         let _ = write!(self.body, "<path d=\"{path}\"{}/>", paint.attributes());
     }
 
-    /// Adds a line of text; `y` is its baseline. The text must fit: it is not shortened.
-    pub(crate) fn text(&mut self, (x, y): (f64, f64), text: &str, font: Font, paint: Paint) {
+    /// Adds a line of text. It must fit: it is not shortened.
+    pub(crate) fn text(&mut self, line: &Line) {
+        let Line {
+            x,
+            y,
+            text,
+            font,
+            paint,
+        } = line;
         let weight = if font.bold { " font-weight=\"600\"" } else { "" };
         let _ = write!(
             self.body,
             "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{weight}{}>{}</text>",
-            number(x),
-            number(y),
+            number(*x),
+            number(*y),
             number(font.size),
             paint.attributes(),
             escaped(text)

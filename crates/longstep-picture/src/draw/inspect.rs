@@ -31,11 +31,17 @@ pub(crate) fn check(svg: &str, prefix: &str) -> Vec<String> {
         let own = root.children().find(|node| node.has_tag_name(name)).unwrap();
         assert!(own.text().is_some_and(|text| !text.is_empty()), "{name}");
     }
+    let frame: Vec<f64> = root
+        .attribute("viewBox")
+        .unwrap()
+        .split(' ')
+        .map(|part| part.parse().unwrap())
+        .collect();
     let whole = Area {
-        x: 0.0,
-        y: 0.0,
-        width: number(root, "width"),
-        height: number(root, "height"),
+        x: frame[0],
+        y: frame[1],
+        width: frame[2],
+        height: frame[3],
     };
     check_children(root, whole);
     let boxes = root.descendants().filter_map(|node| node.attribute("data-id"));

@@ -90,7 +90,22 @@ pub(crate) const CHANGED: Paint = Paint {
     ..stroked("ls-changed", "change", 3.0)
 };
 
-const PAINTS: [Paint; 13] = [
+pub(crate) const ROBOT_INK: Paint = filled("ls-robot-ink", "robot-line");
+pub(crate) const CARD: Paint = outlined("ls-card", "place-inner", "line", 1.0);
+pub(crate) const SENSING: Paint = outlined("ls-sensing", "place-inner", "branch", 1.5);
+pub(crate) const CONDITION: Paint = outlined("ls-condition", "branch-fill", "branch", 1.5);
+pub(crate) const SIDE: Paint = outlined("ls-side", "paper", "branch", 1.0);
+pub(crate) const LOOP: Paint = Paint {
+    dash: "2 4",
+    ..outlined("ls-loop", "paper", "branch", 1.5)
+};
+pub(crate) const LANES: Paint = outlined("ls-lanes", "paper", "robot-line", 1.0);
+pub(crate) const LANE_HEAD: Paint = filled("ls-lane-head", "robot");
+pub(crate) const MEETING: Paint = filled("ls-meeting", "place");
+pub(crate) const RAIL: Paint = stroked("ls-rail", "line", 1.5);
+pub(crate) const BRANCH_RAIL: Paint = stroked("ls-branch-rail", "branch", 1.5);
+
+const PAINTS: [Paint; 24] = [
     PAPER,
     INK,
     MUTED,
@@ -104,6 +119,17 @@ const PAINTS: [Paint; 13] = [
     ROBOT,
     ICON,
     CHANGED,
+    ROBOT_INK,
+    CARD,
+    SENSING,
+    CONDITION,
+    SIDE,
+    LOOP,
+    LANES,
+    LANE_HEAD,
+    MEETING,
+    RAIL,
+    BRANCH_RAIL,
 ];
 
 impl Paint {

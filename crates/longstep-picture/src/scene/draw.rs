@@ -1,7 +1,7 @@
 //! A scene as SVG.
 
 use super::change::{Changes, Moved, StateChange};
-use super::layout::{Block, ICON, Label, LabelKind, Layout};
+use super::layout::{Block, ICON, Layout};
 use super::{Role, Scene, SceneBox};
 use crate::draw::SvgOptions;
 use crate::draw::canvas::{Area, Canvas};
@@ -28,7 +28,7 @@ pub fn svg(scene: &Scene, changes: &Changes, options: &SvgOptions) -> String {
     let whole = Layout::new(scene, changes, options.width).whole();
     let drawing = Drawing { scene, changes };
     let mut canvas = Canvas::default();
-    drawing.labels(&mut canvas, &whole);
+    whole.labels.iter().for_each(|line| canvas.text(line));
     for child in &whole.children {
         drawing.block(&mut canvas, child, 0);
     }
@@ -37,7 +37,12 @@ pub fn svg(scene: &Scene, changes: &Changes, options: &SvgOptions) -> String {
     } else {
         &options.title
     };
-    canvas.finish(options, whole.area.height, title, &drawing.description())
+    canvas.finish(
+        options,
+        (options.width, whole.area.height),
+        title,
+        &drawing.description(),
+    )
 }
 
 struct Drawing<'s> {
@@ -60,7 +65,7 @@ impl Drawing<'_> {
         if block.icon {
             icon(canvas, own.role, block);
         }
-        self.labels(canvas, block);
+        block.labels.iter().for_each(|line| canvas.text(line));
         for child in &block.children {
             self.block(canvas, child, depth + 1);
         }
@@ -75,17 +80,6 @@ impl Drawing<'_> {
             mark(canvas, block.area, sign);
         }
         canvas.end();
-    }
-
-    fn labels(&self, canvas: &mut Canvas, block: &Block) {
-        for Label { x, y, text, font, kind } in &block.labels {
-            let paint = match kind {
-                LabelKind::Name => theme::INK,
-                LabelKind::State | LabelKind::Caption => theme::MUTED,
-                LabelKind::New => theme::CHANGE_INK,
-            };
-            canvas.text((*x, *y), text, *font, paint);
-        }
     }
 
     /// Returns everything that the scene says of a box.

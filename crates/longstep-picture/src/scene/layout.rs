@@ -5,8 +5,9 @@ use std::ops::Range;
 use super::change::{Changes, StateChange};
 use super::schema::Relation;
 use super::{Role, Scene};
-use crate::draw::canvas::Area;
+use crate::draw::canvas::{Area, Line};
 use crate::draw::text::{Font, fitted, width, wrapped};
+use crate::draw::theme::{self, Paint};
 
 /// Font of names.
 pub(super) const NAME: Font = Font::bold(14.0);
@@ -26,27 +27,7 @@ const STATE_LINES: usize = 3;
 /// Ratio of width to height that boxes with content tend to.
 const ASPECT: f64 = 2.4;
 /// Greatest factor by which a place grows to fill its row.
-const GROWTH: f64 = 1.6;
-
-/// A line of text with its baseline.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Label {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) text: String,
-    pub(super) font: Font,
-    pub(super) kind: LabelKind,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LabelKind {
-    Name,
-    State,
-    /// A state that began to hold, or an event that happened.
-    New,
-    /// A caption of a group of boxes.
-    Caption,
-}
+const GROWTH: f64 = 2.5;
 
 /// A box with its place in the picture, and everything in it.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +38,7 @@ pub(super) struct Block {
     pub(super) icon: bool,
     /// True if it may be taller than its content.
     stretches: bool,
-    pub(super) labels: Vec<Label>,
+    pub(super) labels: Vec<Line>,
     pub(super) children: Vec<Block>,
     /// Number of boxes inside that have no room.
     pub(super) left_out: usize,
@@ -139,7 +120,7 @@ impl<'s> Layout<'s> {
         page.rows(self.blocks(&robots, inner, 0), inner);
         page.rows(self.filled(&places, inner), inner);
         if !(loose.is_empty() || robots.is_empty() && places.is_empty()) {
-            page.label(fitted("without a place", STATE, inner), STATE, LabelKind::Caption);
+            page.label(fitted("without a place", STATE, inner), STATE, theme::MUTED);
         }
         page.rows(self.blocks(&loose, inner, 0), inner);
         page.into_block(None, self.full, GAP)
@@ -200,7 +181,7 @@ impl<'s> Layout<'s> {
         let mut page = Page::new(pad, (pad - 2.0).max(1.0));
         let room = inner.min(TEXT_WIDTH);
         for line in wrapped(&own.name, NAME, room - icon, NAME_LINES) {
-            page.label_at(icon, line, NAME, LabelKind::Name);
+            page.label_at(icon, line, NAME, theme::INK);
         }
         page.tokens(&self.tokens(index), room);
         let mut left_out = 0;
@@ -209,7 +190,7 @@ impl<'s> Layout<'s> {
             if inner < LEAST_INSIDE {
                 left_out = self.inside[index];
                 let text = format!("{left_out} inside");
-                page.label(fitted(&text, STATE, inner), STATE, LabelKind::Caption);
+                page.label(fitted(&text, STATE, inner), STATE, theme::MUTED);
             } else {
                 self.content(&mut page, index, inner, depth, flow);
             }
@@ -235,7 +216,7 @@ impl<'s> Layout<'s> {
                 _ => None,
             };
             if let Some(caption) = caption {
-                page.label(fitted(caption, STATE, inner), STATE, LabelKind::Caption);
+                page.label(fitted(caption, STATE, inner), STATE, theme::MUTED);
             }
             let (places, others): (Vec<usize>, Vec<usize>) = group.iter().partition(|child| is_place(child));
             for part in [places, others] {
@@ -319,7 +300,7 @@ struct Page {
     y: f64,
     /// The right end of the widest content.
     right: f64,
-    labels: Vec<Label>,
+    labels: Vec<Line>,
     children: Vec<Block>,
 }
 
@@ -340,64 +321,82 @@ impl Page {
         }
     }
 
-    fn label(&mut self, text: String, font: Font, kind: LabelKind) {
-        self.label_at(0.0, text, font, kind);
+    fn label(&mut self, text: String, font: Font, paint: Paint) {
+        self.label_at(0.0, text, font, paint);
     }
 
     /// Adds a line of text with an indentation.
-    fn label_at(&mut self, indent: f64, text: String, font: Font, kind: LabelKind) {
-        self.put(self.left + indent, text, font, kind);
+    fn label_at(&mut self, indent: f64, text: String, font: Font, paint: Paint) {
+        self.put(self.left + indent, text, font, paint);
         self.y += font.line_height();
     }
 
     /// Adds a text at the current line.
-    fn put(&mut self, x: f64, text: String, font: Font, kind: LabelKind) {
+    fn put(&mut self, x: f64, text: String, font: Font, paint: Paint) {
         self.right = self.right.max(x + width(&text, font));
-        self.labels.push(Label {
+        self.labels.push(Line {
             x,
             y: self.y + font.size + 1.0,
             text,
             font,
-            kind,
+            paint,
         });
     }
 
-    /// Adds short texts one after another, in at most [`STATE_LINES`] lines.
+    /// Adds short texts one after another, in at most [`STATE_LINES`] lines; a text longer than a line is broken.
     fn tokens(&mut self, tokens: &[(String, bool)], room: f64) {
         let (mut x, mut lines) = (0.0, 1);
         for (number, (text, new)) in tokens.iter().enumerate() {
-            let kind = if *new { LabelKind::New } else { LabelKind::State };
+            let paint = if *new { theme::CHANGE_INK } else { theme::MUTED };
             let font = if *new { Font { bold: true, ..STATE } } else { STATE };
             let is_last = number + 1 == tokens.len();
             let separator = if is_last { "" } else { " ·" };
             let whole = format!("{text}{separator}");
             if x > 0.0 && x + width(&whole, font) > room {
                 if lines == STATE_LINES {
-                    let rest = format!("+{}", tokens.len() - number);
-                    // The line keeps room for the count only by chance, so it takes the place of the last text.
-                    self.replace_last(rest, room);
+                    self.count_left_out(tokens.len() - number, room);
                     break;
                 }
                 (x, lines) = (0.0, lines + 1);
                 self.y += STATE.line_height();
             }
-            let shown = fitted(&whole, font, room);
-            let advance = width(&shown, font) + width(" ", font);
-            self.put(self.left + x, shown, font, kind);
-            x += advance;
+            let parts = wrapped(&whole, font, room, STATE_LINES + 1 - lines);
+            for (part, text) in parts.into_iter().enumerate() {
+                if part > 0 {
+                    (x, lines) = (0.0, lines + 1);
+                    self.y += STATE.line_height();
+                }
+                let advance = width(&text, font) + width(" ", font);
+                self.put(self.left + x, text, font, paint);
+                x += advance;
+            }
         }
         if !tokens.is_empty() {
             self.y += STATE.line_height();
         }
     }
 
-    /// Adds a count after the last text, which is shortened to make room for it.
-    fn replace_last(&mut self, count: String, room: f64) {
-        let Some(last) = self.labels.last_mut() else { return };
-        let needed = width(&count, STATE) + width(" ", STATE);
-        last.text = fitted(&last.text, last.font, self.left + room - last.x - needed);
-        let x = last.x + width(&last.text, last.font) + width(" ", STATE);
-        self.put(x, count, STATE, LabelKind::State);
+    /// Adds the number of texts that are left out to the last line, which is shortened to make room for it.
+    fn count_left_out(&mut self, mut left_out: usize, room: f64) {
+        let right = self.left + room;
+        let space = width(" ", STATE);
+        loop {
+            let count = format!("+{left_out}");
+            let needed = space + width(&count, STATE);
+            let Some(last) = self.labels.last_mut() else { return };
+            let rest = right - last.x - needed;
+            if rest >= width("…", last.font) {
+                last.text = fitted(&last.text, last.font, rest);
+                let x = last.x + width(&last.text, last.font) + space;
+                return self.put(x, count, STATE, theme::MUTED);
+            }
+            if last.x <= self.left {
+                last.text = fitted(&count, last.font, room);
+                return;
+            }
+            self.labels.pop();
+            left_out += 1;
+        }
     }
 
     /// Returns the width of the content.

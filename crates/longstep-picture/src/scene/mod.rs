@@ -1,6 +1,6 @@
 //! The scene of a state as nested boxes: every entity is a box within the box of its place.
 //!
-//! [`Scene::of`] finds the places from the domain ([rules](schema)), [`Scene::difference`] compares two states, and [`svg`]
+//! [`Scene::of`] finds the places from the words and effects of the domain, [`Scene::difference`] compares two states, and [`svg`]
 //! draws.
 
 mod change;

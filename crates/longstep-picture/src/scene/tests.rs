@@ -267,6 +267,35 @@ fn deep_nesting_is_counted_where_there_is_no_room() {
 }
 
 #[test]
+fn many_states_are_counted_and_long_ones_broken() {
+    let world = testing::world("household", r#"{"objects": ["<cup>"]}"#);
+    let mut scene = Scene::of(&world, &world.state);
+    let state = |text: &str| StateText {
+        text: text.to_owned(),
+        assumed: false,
+    };
+    let lists: [Vec<StateText>; 4] = [
+        vec![state("has been wiped with the sponge in the right hand"), state("open")],
+        vec![state("has been wiped with the sponge in the right hand of the robot, twice"); 3],
+        (0..40).map(|number| state(&"ab ".repeat(number % 7))).collect(),
+        vec![state("ab"); 90],
+    ];
+    for states in lists {
+        for length in [3, 9, 30] {
+            let cup = scene.boxes.iter_mut().find(|own| own.id == "<cup>").unwrap();
+            cup.name = "c".repeat(length);
+            cup.states.clone_from(&states);
+            check_pictures(&scene, &Changes::default());
+        }
+    }
+    let svg = svg(&scene, &Changes::default(), &SvgOptions::new(360.0));
+    assert!(
+        svg.contains(">+"),
+        "the last line has the number of states that are left out"
+    );
+}
+
+#[test]
 fn difference_lists_moves_states_and_entities() {
     let world = |text| testing::world("household", text);
     let before = world(

@@ -56,7 +56,8 @@ fn operation(route: &Route) -> Value {
     responses[status.to_string()] = json!({"description": route.summary, "content": content(answer)});
     let is_say = ["instruct", "answer", "feedback"].contains(&route.name);
     if is_say {
-        responses["202"] = json!({"description": "The model works; the session says when it is done", "content": content(answer)});
+        responses["202"] =
+            json!({"description": "The model works; the session says when it is done", "content": content(answer)});
     }
     let mut operation = json!({
         "operationId": route.name,
@@ -86,9 +87,7 @@ fn parameters(path: &str, is_say: bool) -> Value {
 }
 
 fn events() -> Value {
-    let query = |name: &str, description: &str| {
-        json!({"name": name, "in": "query", "required": false, "description": description, "schema": {"type": "string"}})
-    };
+    let query = |name: &str, description: &str| json!({"name": name, "in": "query", "required": false, "description": description, "schema": {"type": "string"}});
     json!({
         "operationId": "events",
         "summary": "The live stream as server-sent events: `happened` with a change, `reset` when states are to be read anew",
@@ -113,8 +112,11 @@ mod tests {
         let text = document().to_string();
         let document = document();
         let schemas = document["components"]["schemas"].as_object().unwrap();
-        let named: std::collections::BTreeSet<&str> =
-            text.split("#/components/schemas/").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        let named: std::collections::BTreeSet<&str> = text
+            .split("#/components/schemas/")
+            .skip(1)
+            .filter_map(|rest| rest.split('"').next())
+            .collect();
         let there: std::collections::BTreeSet<&str> = schemas.keys().map(String::as_str).collect();
         assert_eq!(named, there);
     }

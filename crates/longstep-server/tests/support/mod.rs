@@ -1,6 +1,6 @@
 //! A server for tests: a model that answers from a table, and simulated robots.
 
-#![allow(dead_code, clippy::unwrap_used, missing_docs)]
+#![allow(dead_code, clippy::unwrap_used, missing_docs, unreachable_pub)]
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -72,11 +72,12 @@ impl ChatModel for Scripted {
 pub const DESK: &str = r#"{"assets": ["<desk>", "<shelf>", "<table>"], "objects": ["<pen>", "<cup>"],
     "object_states": {"<pen>": "on_something(<desk>)", "<cup>": "on_something(<desk>)"}}"#;
 
-pub const TABLE: [(&str, &str); 5] = [
+pub const TABLE: [(&str, &str); 6] = [
     ("pen on the shelf", "put(pen, shelf)"),
     ("cup on the shelf", "put(cup, shelf)"),
     ("pen on the table", "put(pen, table)"),
     ("something away", "?Which one?"),
+    ("it somewhere", "?Which one?"),
     ("cup on the table", "put(cup, table)"),
 ];
 
