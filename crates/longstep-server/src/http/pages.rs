@@ -172,11 +172,7 @@ fn again(
         Ok(next) => return Ok(Ok(next)),
         Err(problem) => problem,
     };
-    let attempt = Attempt {
-        form,
-        text: fields.get("text").unwrap_or_default().to_owned(),
-        problem: problem.clone(),
-    };
+    let attempt = Attempt::new(form, fields, problem.clone());
     // A page that cannot be shown either has the first reason.
     match show(&attempt) {
         Ok(sheet) => Ok(Err((problem, sheet))),

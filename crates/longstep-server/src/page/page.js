@@ -1,5 +1,5 @@
 // Improves the page, which works without it: the live stream replaces what changes, the slider moves at once, and the
-// stop has a request of its own. Everything else is forms and links.
+// stop has a request of its own.
 "use strict";
 (() => {
   const find = (id) => document.getElementById(id);
@@ -23,6 +23,9 @@
     }
   }
 
+  // The reason why a form failed stays until the next form.
+  const drop = (node) => isSending || !node.matches?.(".attempt") ? node.remove() : undefined;
+
   // Makes an element equal to another one and keeps those that are in both, with their focus, text and position.
   function morph(from, to) {
     copyAttributes(from, to);
@@ -41,7 +44,7 @@
       while (old !== match) {
         const gone = old;
         old = old.nextSibling;
-        gone.remove();
+        drop(gone);
       }
       old = match.nextSibling;
       if (match.nodeType !== 1) {
@@ -51,7 +54,7 @@
     while (old) {
       const gone = old;
       old = old.nextSibling;
-      gone.remove();
+      drop(gone);
     }
   }
 
@@ -85,7 +88,7 @@
       // A form that was sent meanwhile has brought something newer.
       if (answer.ok && before === changes) swap(html);
       else isStale ||= before !== changes;
-    } catch { /* The live stream says that the server does not answer. */ }
+    } catch { /* The live stream says so. */ }
     isRefreshing = false;
     if (isStale && !isSending) setTimeout(refresh, 100);
   }
@@ -130,7 +133,7 @@
 
   function complain(form, text) {
     const note = document.createElement("p");
-    note.className = "problem";
+    note.className = "problem attempt";
     note.setAttribute("role", "alert");
     note.textContent = text;
     form.before(note);
@@ -271,7 +274,6 @@
     letters.addEventListener("change", () => localStorage.setItem("letters", letters.checked ? "on" : "off"));
   }
   document.addEventListener("visibilitychange", follow);
-  // A page that comes back from the cache of the browser is old.
   addEventListener("pageshow", (event) => event.persisted && refresh());
   showTimes();
   follow();

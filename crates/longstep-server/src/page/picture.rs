@@ -72,7 +72,8 @@ fn draw(world: &World, state: &State, changes: &Changes, prefix: &str, title: &s
 
 /// Writes changes as short sentences.
 fn words(world: &World, changes: &Changes) -> Vec<String> {
-    let name = |id: &String| world.find(id).map_or_else(|| id.clone(), |own| world.entity(own).name.clone());
+    // What is no entity is the robot itself.
+    let name = |id: &String| world.find(id).map_or_else(|| "robot".to_owned(), |own| world.entity(own).name.clone());
     let mut words = Vec::new();
     for moved in &changes.moved {
         let from = moved.from.as_ref().map(|id| format!(" (was at {})", name(id))).unwrap_or_default();

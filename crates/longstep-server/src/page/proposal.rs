@@ -147,8 +147,8 @@ pub(super) fn slider(shown: &Shown<'_>, waiting: &Proposal) -> Markup {
         section.scene aria-labelledby="scene" {
             h2 #scene { "The scene, step by step" }
             form.slider method="get" action=(shown.path("")) {
-                a.turn rel="prev" href=[link(place.checked_sub(1))] { "Back" }
                 label for="slider" { "Step " (step) " of " (last) }
+                a.turn rel="prev" href=[link(place.checked_sub(1))] { "Back" }
                 input #slider type="range" name="step" min="0" max=(last) value=(step) data-keep
                     aria-valuetext={ "Step " (step) ": " (title(moment)) };
                 a.turn rel="next" href=[link(Some(place + 1).filter(|next| *next <= last))] { "Next" }

@@ -8,7 +8,7 @@ use longstep_core::visible;
 use maud::{Markup, html};
 
 use super::audit::short;
-use super::form::{Attempt, Button, problem_of};
+use super::form::{Attempt, Button, problem_of, with_attempt};
 use super::picture;
 use super::sheet::{Sheet, Stops};
 use crate::hub::Hub;
@@ -61,7 +61,7 @@ pub(crate) fn run(hub: &Hub, id: &RunId, stop_was_sent: bool, attempt: Option<&A
         ..Sheet::new(
             format!("{}: {}", state_words(run.state), visible::line(&run.record.instruction)),
             format!("/runs/{id}"),
-            live,
+            with_attempt(attempt, &live),
         )
     })
 }
@@ -96,7 +96,10 @@ fn sentence(run: &RunView) -> String {
                 texts => format!("{progress}. Now: {}.", texts.join("; ")),
             }
         }
-        RunState::Asking => format!("{progress}. The robot waits for your answer."),
+        RunState::Asking => {
+            let asked = run.question.as_ref().map_or("", |question| question.text.as_str());
+            format!("{progress}. The robot waits for your answer: {asked}")
+        }
         RunState::Paused => format!("{progress}. Paused: no step begins before you continue."),
         RunState::Done => "Done.".to_owned(),
         RunState::Stopped => "Stopped.".to_owned(),
@@ -125,7 +128,7 @@ fn ask(run: &RunView, question: &QuestionView, attempt: Option<&Attempt>) -> Mar
     };
     html! {
         section.decision.asks aria-labelledby="question" {
-            h2 #question role="alert" { (question.text) }
+            h2 #question { (question.text) }
             (list("What changes", &question.edits))
             (list("The steps from here", &question.steps))
             (problem_of(attempt, "decide"))
@@ -232,7 +235,7 @@ fn notices(run: &RunView) -> Markup {
         @if !run.notices.is_empty() {
             section aria-labelledby="notices" {
                 h2 #notices { "Noticed" }
-                ol.notices reversed { @for notice in run.notices.iter().rev().take(NOTICES) { li { (notice) } } }
+                ul.notices tabindex="0" aria-labelledby="notices" { @for notice in run.notices.iter().rev().take(NOTICES) { li { (notice) } } }
             }
         }
     }

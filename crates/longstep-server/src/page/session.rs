@@ -4,7 +4,7 @@ use longstep_core::visible;
 use maud::{Markup, html};
 
 use super::audit::short;
-use super::form::{Attempt, Button, problem_of};
+use super::form::{Attempt, Button, problem_of, with_attempt};
 use super::goal::{left_out, list, understood};
 use super::listing::time;
 use super::picture;
@@ -48,7 +48,7 @@ pub(crate) fn session(hub: &Hub, id: &SessionId, look: &Look, attempt: Option<&A
         follows: Some(format!("?session={id}")),
         is_going: going.is_some(),
         is_waiting: view.state == "thinking",
-        ..Sheet::new(visible::line(title), format!("/sessions/{id}"), live)
+        ..Sheet::new(visible::line(title), format!("/sessions/{id}"), with_attempt(attempt, &live))
     })
 }
 
