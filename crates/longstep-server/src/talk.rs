@@ -32,11 +32,12 @@ impl Said {
 
     fn apply(&self, session: &mut Session) -> Result<(), Problem> {
         let text = checked_text(self.text())?;
-        Ok(match self {
+        match self {
             Self::Instruction(_) => session.instruct(text)?,
             Self::Answer(_) => session.answer(text)?,
             Self::Feedback(_) => session.feedback(text)?,
-        })
+        }
+        Ok(())
     }
 }
 

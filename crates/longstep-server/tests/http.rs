@@ -1,6 +1,6 @@
 //! The HTTP interface, over real connections.
 
-#![allow(clippy::unwrap_used, missing_docs, unreachable_pub)]
+#![allow(clippy::panic, clippy::unwrap_used, missing_docs, unreachable_pub)]
 
 mod support;
 

@@ -110,7 +110,7 @@ fn a_session_goes_on_after_the_server_died() {
         (id, plan)
     };
     let hub = hub(&folder, robots());
-    assert_eq!(hub.sessions().unwrap(), [id.clone()]);
+    assert_eq!(hub.sessions().unwrap(), std::slice::from_ref(&id));
     let view = &hub.session(&id).unwrap().view;
     assert_eq!((view.state, view.question.as_deref()), ("question", Some("Which one?")));
     assert_eq!(view.accepted[0].plan, plan);

@@ -83,8 +83,8 @@ fn check_log(folder: &Path, run: &RunId) -> usize {
     let mut call_of = std::collections::BTreeMap::new();
     for event in &events {
         match event {
-            Event::Paused { .. } => (is_paused, pauses) = (true, pauses + 1),
-            Event::Continued { .. } => {
+            Event::Paused => (is_paused, pauses) = (true, pauses + 1),
+            Event::Continued => {
                 is_paused = false;
                 done.clear();
             }

@@ -77,7 +77,7 @@ enum BoundText {
 
 impl Autonomy {
     /// Reads a file of levels and limits. Places are looked up in the world, if there is one. See the
-    /// [example](Self#example) and the [format](self).
+    /// [example](Self#example).
     ///
     /// # Errors
     ///

@@ -99,7 +99,10 @@ async fn audit_fragment(State(shared): State<Shared>) -> Response {
 
 async fn show_session(shared: Shared, id: String, query: Option<String>, write: fn(&Sheet) -> String) -> Response {
     let look = Look::read(&query.unwrap_or_default());
-    sheet(shared, write, move |hub| page::session(hub, &session_id(&id)?, &look, None)).await
+    sheet(shared, write, move |hub| {
+        page::session(hub, &session_id(&id)?, &look, None)
+    })
+    .await
 }
 
 async fn session(State(shared): State<Shared>, Path(id): Path<String>, RawQuery(query): RawQuery) -> Response {
@@ -112,7 +115,10 @@ async fn session_fragment(State(shared): State<Shared>, Path(id): Path<String>, 
 
 async fn show_run(shared: Shared, id: String, query: Option<String>, write: fn(&Sheet) -> String) -> Response {
     let stop_was_sent = query.is_some_and(|query| query == "stop=sent");
-    sheet(shared, write, move |hub| page::run(hub, &run_id(&id)?, stop_was_sent, None)).await
+    sheet(shared, write, move |hub| {
+        page::run(hub, &run_id(&id)?, stop_was_sent, None)
+    })
+    .await
 }
 
 async fn run(State(shared): State<Shared>, Path(id): Path<String>, RawQuery(query): RawQuery) -> Response {
@@ -199,7 +205,9 @@ async fn session_deed(
     let look = Look::read(&query.unwrap_or_default());
     done(shared, move |hub| {
         let acted = page::act_on_session(hub, &id, deed, &fields, &person.name);
-        again(acted, deed.name(), &fields, |attempt| page::session(hub, &id, &look, Some(attempt)))
+        again(acted, deed.name(), &fields, |attempt| {
+            page::session(hub, &id, &look, Some(attempt))
+        })
     })
     .await
 }
@@ -217,17 +225,15 @@ async fn run_deed(
     };
     done(shared, move |hub| {
         let acted = page::act_on_run(hub, &id, deed, &fields, &person.name);
-        again(acted, deed.name(), &fields, |attempt| page::run(hub, &id, false, Some(attempt)))
+        again(acted, deed.name(), &fields, |attempt| {
+            page::run(hub, &id, false, Some(attempt))
+        })
     })
     .await
 }
 
 /// Stops a run, for a browser without the script. The body is not read: nothing is waited for.
-async fn stop(
-    State(shared): State<Shared>,
-    Extension(person): Extension<Person>,
-    Path(id): Path<String>,
-) -> Response {
+async fn stop(State(shared): State<Shared>, Extension(person): Extension<Person>, Path(id): Path<String>) -> Response {
     let stopped = match run_id(&id) {
         Ok(id) => at_once(move || shared.hub.stop(&id, &person.name)).await,
         Err(problem) => Err(problem),

@@ -72,7 +72,10 @@ fn subject(deed: &Deed) -> Markup {
     let session = |id: &crate::SessionId| html! { a href={ "/sessions/" (id) } { "session " (short(id.as_str())) } };
     let plan = |hash: &str| html! { "plan " code title=(hash) { (short(hash)) } };
     match deed {
-        Deed::Accepted { session: id, plan: hash } => html! { (plan(hash)) " of " (session(id)) },
+        Deed::Accepted {
+            session: id,
+            plan: hash,
+        } => html! { (plan(hash)) " of " (session(id)) },
         Deed::Approved {
             session: id,
             plan: hash,

@@ -6,7 +6,11 @@ use maud::{Markup, html};
 /// Writes the instruction with the role of each part, and the goals. `sentences` are the goals for people, in the order
 /// of [`Answer::goal`]; the goals themselves take their place where there are none.
 pub(super) fn understood(instruction: &str, answer: &Answer, sentences: &[String]) -> Markup {
-    let goals = if sentences.len() == answer.goal.len() { sentences } else { &answer.goal };
+    let goals = if sentences.len() == answer.goal.len() {
+        sentences
+    } else {
+        &answer.goal
+    };
     html! {
         section.understood aria-labelledby="understood" {
             h2 #understood { "Understood as" }

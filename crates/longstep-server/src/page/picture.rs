@@ -36,12 +36,24 @@ pub(super) fn moments(plan: &VerifiedPlan) -> Vec<Moment> {
 impl Moment {
     /// Draws the scene before the step.
     pub(super) fn before(&self, world: &World) -> Markup {
-        draw(world, self.frame.before(), &Changes::default(), "before", "Scene before the step")
+        draw(
+            world,
+            self.frame.before(),
+            &Changes::default(),
+            "before",
+            "Scene before the step",
+        )
     }
 
     /// Draws the scene after the step, with its changes marked.
     pub(super) fn after(&self, world: &World) -> Markup {
-        draw(world, self.frame.after(), &self.frame.changes, "after", "Scene after the step")
+        draw(
+            world,
+            self.frame.after(),
+            &self.frame.changes,
+            "after",
+            "Scene after the step",
+        )
     }
 }
 
@@ -66,17 +78,28 @@ fn difference(world: &World, before: &State, after: &State) -> Changes {
 }
 
 fn draw(world: &World, state: &State, changes: &Changes, prefix: &str, title: &str) -> Markup {
-    let options = SvgOptions::new(WIDTH).with_prefix(prefix).with_title(title).without_style();
+    let options = SvgOptions::new(WIDTH)
+        .with_prefix(prefix)
+        .with_title(title)
+        .without_style();
     PreEscaped(scene::svg(&Scene::of(world, state), changes, &options))
 }
 
 /// Writes changes as short sentences.
 fn words(world: &World, changes: &Changes) -> Vec<String> {
     // What is no entity is the robot itself.
-    let name = |id: &String| world.find(id).map_or_else(|| "robot".to_owned(), |own| world.entity(own).name.clone());
+    let name = |id: &String| {
+        world
+            .find(id)
+            .map_or_else(|| "robot".to_owned(), |own| world.entity(own).name.clone())
+    };
     let mut words = Vec::new();
     for moved in &changes.moved {
-        let from = moved.from.as_ref().map(|id| format!(" (was at {})", name(id))).unwrap_or_default();
+        let from = moved
+            .from
+            .as_ref()
+            .map(|id| format!(" (was at {})", name(id)))
+            .unwrap_or_default();
         let to = match (&moved.to, moved.relation) {
             (Some(to), Some(relation)) => format!("{} {}", relation.word(), name(to)),
             _ => "lifted".to_owned(),

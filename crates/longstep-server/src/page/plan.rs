@@ -34,7 +34,9 @@ impl<'a> PlanTree<'a> {
         shown: Option<usize>,
         path: String,
     ) -> Self {
-        let changes = moments.iter().filter_map(|own| Some((own.frame.step?, &own.changes[..])));
+        let changes = moments
+            .iter()
+            .filter_map(|own| Some((own.frame.step?, &own.changes[..])));
         Self {
             world,
             plan,
@@ -174,7 +176,10 @@ impl<'a> PlanTree<'a> {
     }
 
     fn edits_at(&self, step: usize) -> impl Iterator<Item = &EditAnswer> {
-        self.answer.edits.iter().filter(move |edit| edit.at == step && edit.kind != "drop")
+        self.answer
+            .edits
+            .iter()
+            .filter(move |edit| edit.at == step && edit.kind != "drop")
     }
 
     /// Lists the steps that a repair dropped.

@@ -51,7 +51,8 @@ pub(super) fn proposal(shown: &Shown<'_>, waiting: &Proposal) -> Markup {
 /// Returns the goal of a plan as sentences.
 pub(super) fn sentences_of(waiting: &Proposal) -> Vec<String> {
     let goal = waiting.goal.as_ref();
-    goal.map(|goal| goal.sentences(waiting.plan.world())).unwrap_or_default()
+    goal.map(|goal| goal.sentences(waiting.plan.world()))
+        .unwrap_or_default()
 }
 
 /// Writes what the plan changes, and the buttons that decide about it. All of them name the hash of this plan.
@@ -133,7 +134,10 @@ fn endings_when(waiting: &Proposal) -> Vec<Vec<String>> {
 pub(super) fn slider(shown: &Shown<'_>, waiting: &Proposal) -> Markup {
     let moments = moments(&waiting.plan);
     let last = moments.len().saturating_sub(1);
-    let place = shown.look.step.and_then(|step| moments.iter().position(|own| own.frame.step == Some(step)));
+    let place = shown
+        .look
+        .step
+        .and_then(|step| moments.iter().position(|own| own.frame.step == Some(step)));
     let place = place.unwrap_or(0);
     let Some(moment) = moments.get(place) else {
         return html! {};

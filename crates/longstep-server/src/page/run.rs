@@ -89,7 +89,10 @@ fn sentence(run: &RunView) -> String {
         RunState::Queued => "It waits until the robot is free.".to_owned(),
         RunState::Opening => "The robot is being opened.".to_owned(),
         RunState::Running => {
-            let under_way = run.steps.iter().filter(|step| matches!(step.mark, Mark::UnderWay { .. }));
+            let under_way = run
+                .steps
+                .iter()
+                .filter(|step| matches!(step.mark, Mark::UnderWay { .. }));
             let texts: Vec<&str> = under_way.map(|step| phrase(&step.text)).collect();
             match &texts[..] {
                 [] => format!("{progress}. The robot looks around."),
@@ -244,11 +247,15 @@ fn notices(run: &RunView) -> Markup {
 /// Writes the scene as the run knows it; while it goes on, with the changes since its beginning.
 fn scene(hub: &Hub, run: &RunView) -> Markup {
     let session = hub.session(&run.record.session).ok();
-    let known = run.environment.as_ref().zip(session.as_ref()).and_then(|(known, session)| {
-        let domain = session.robot_world.domain();
-        let world = environment::read(domain, known, "the run", "", &json::Path::default()).ok()?;
-        Some((world, session))
-    });
+    let known = run
+        .environment
+        .as_ref()
+        .zip(session.as_ref())
+        .and_then(|(known, session)| {
+            let domain = session.robot_world.domain();
+            let world = environment::read(domain, known, "the run", "", &json::Path::default()).ok()?;
+            Some((world, session))
+        });
     html! {
         @if let Some((world, session)) = known {
             section.scene aria-labelledby="scene" {

@@ -266,7 +266,9 @@ fn accepted_plan(shown: &Shown<'_>, accepted: &AcceptedView) -> Markup {
 fn latest_run(shown: &Shown<'_>, accepted: &AcceptedView) -> Option<RunId> {
     let runs = super::listing::latest_runs(shown.hub).into_iter();
     let mut own = runs.filter(|(_, run)| {
-        run.record.session == shown.view().id && run.record.number == accepted.number && run.record.plan == accepted.plan
+        run.record.session == shown.view().id
+            && run.record.number == accepted.number
+            && run.record.plan == accepted.plan
     });
     own.next().map(|(_, run)| run.record.id.clone())
 }
@@ -283,4 +285,3 @@ fn side(shown: &Shown<'_>) -> Markup {
         },
     }
 }
-

@@ -60,7 +60,7 @@ impl ChatModel for Scripted {
             None => ("", "What do you mean?"),
         };
         let reply = serde_json::json!({"question": question, "goal": goal, "left_out": []});
-        Ok(Reply::complete(&reply.to_string()))
+        Ok(Reply::complete(reply.to_string()))
     }
 
     fn context_tokens(&self) -> Option<u64> {

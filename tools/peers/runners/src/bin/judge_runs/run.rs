@@ -44,7 +44,7 @@ pub(crate) fn run(pipe: &Pipe, domains: &mut Domains, command: &Value) -> Anyhow
         crate::direct::carry_out(*pipe, &mut execution, &request)?
     } else {
         let mut watcher = PipeWatcher::new(*pipe, request.clone());
-        drive(&mut execution, &mut robot, &mut watcher, &request)
+        drive(&mut execution, &mut robot, &mut watcher, &request.clone().into()).into_stop()
     };
     let environment = serde_json::to_value(execution.environment())?;
     Ok(json!({"ended": {
