@@ -33,9 +33,12 @@ const ANSWERS: [(&str, &str); 9] = [
     ("cereal instead", r#"{"question": "", "goal": true, "edits": []}"#),
     ("butter on the counter", "put(butter, counter)"),
     ("the drink", "?Which drink?"),
-    ("cream has expired", "if expired(cream) then put(cream, scrap bin) else put(cream, ledge)"),
+    (
+        "cream has expired",
+        "if expired(cream) then put(cream, scrap bin) else put(cream, ledge)",
+    ),
     ("never put the juice", "never put(juice, trash bin)"),
-    ("cloth in the fridge", "put(cloth, fridge)"),
+    ("counter in the fridge", "put(counter, fridge)"),
 ];
 
 fn robots() -> Vec<RobotEntry> {
