@@ -38,7 +38,7 @@ const ANSWERS: [(&str, &str); 9] = [
         "if expired(cream) then put(cream, scrap bin) else put(cream, ledge)",
     ),
     ("never put the juice", "never put(juice, trash bin)"),
-    ("counter in the fridge", "put(counter, fridge)"),
+    ("without touching it", "put(juice, shelf top) & untouched(juice)"),
 ];
 
 fn robots() -> Vec<RobotEntry> {

@@ -301,8 +301,9 @@ fn hostile_names_and_texts_are_text_in_every_place() {
         hub,
         _folder: folder,
     };
-    let boxes = texts(&place.page(""), ".pictures title");
-    assert!(boxes.iter().any(|text| text.contains("<script>alert`1`")), "{boxes:?}");
+    let (page, boxes) = (place.page(""), select(".pictures [data-id]"));
+    let mut ids = page.select(&boxes).filter_map(|own| own.value().attr("data-id"));
+    assert!(ids.any(|id| id.contains("<script>alert`1`</script>")));
     place.say(SessionDeed::Instruct, &format!("Put the pen on the shelf {HOSTILE}"));
     let page = place.page("step=1");
     assert!(texts(&page, "h1")[0].contains("<script>alert(1)</script>"));
