@@ -145,16 +145,17 @@ fn instruct(shown: &Shown<'_>) -> Markup {
 
 fn no_plan(shown: &Shown<'_>) -> Markup {
     let view = shown.view();
+    let answer = view.failure.as_ref().and_then(|failure| failure.answer.as_ref());
     html! {
+        @if let Some(failure) = &view.failure {
+            p.problem { (failure.message) }
+        }
+        @if let Some(answer) = answer {
+            (left_out(answer))
+            (understood(view.instruction.as_deref().unwrap_or_default(), answer, &[]))
+        }
         section {
-            @if let Some(failure) = &view.failure {
-                p.problem { (failure.message) }
-                @if let Some(answer) = &failure.answer {
-                    (left_out(answer))
-                    (understood(view.instruction.as_deref().unwrap_or_default(), answer, &[]))
-                    (list("Notes", answer.notes.iter().map(String::as_str)))
-                }
-            }
+            @if let Some(answer) = answer { (list("Notes", answer.notes.iter().map(String::as_str))) }
             (shown.feedback())
             (shown.button("cancel", "Give this instruction up", "plain", &[]))
         }
