@@ -199,7 +199,9 @@ const cases = {
     await planned(page);
     await approveAndStart(page, "slow");
     await page.locator(".step.under-way").waitFor();
-    // From now on the server answers nothing but the stop.
+    // All connections that a browser has to a server are taken, and the server answers nothing but the stop.
+    await page.evaluate(() => { window.held = Array.from({ length: 5 }, () => new EventSource("/api/events")); });
+    await page.waitForTimeout(500);
     await page.context().route("**/*", (route) => (route.request().url().endsWith("/stop") ? route.continue() : undefined));
     await page.evaluate(() => { for (let i = 0; i < 8; i += 1) fetch(`/fragment?${i}`).catch(() => {}); });
     const began = Date.now();
@@ -307,11 +309,15 @@ const cases = {
     await page.getByLabel("Your answer").fill("the juice on top of the shelf");
     await page.getByRole("button", { name: "Answer" }).click();
     await isState(page, "plan");
-    // What is open and written stays while the page is replaced by another person's change.
-    await page.getByText("Say what is to be different", { exact: true }).first().click();
+    // What is open and written stays while the page around it is replaced.
+    await page.locator("summary", { hasText: "Say what is to be different" }).click();
     const feedback = page.locator("#feedback");
-    await feedback.fill("not so fast");
-    await api("POST", `/api/sessions/${idOf(page)}/accept`, { plan: (await api("GET", `/api/sessions/${idOf(page)}`)).body.proposal.plan });
+    await feedback.pressSequentially("not so");
+    await page.evaluate(() => document.querySelector("#step-2 .number").click());
+    await page.getByText("Step 2 of 6").waitFor();
+    await page.keyboard.type(" fast");
+    assert.equal(await feedback.inputValue(), "not so fast");
+    await page.getByRole("button", { name: "Only accept" }).click();
     await isState(page, "ready");
     await page.getByRole("button", { name: "Undo the last one" }).click();
     await page.locator("#accepted").waitFor({ state: "detached" });
@@ -330,6 +336,7 @@ const cases = {
     await instruct(stale, "Put the butter on the counter & wait <b>");
     await stale.locator(".problem").first().waitFor();
     assert.equal((await api("GET", `/api/sessions/${session}`)).body.state, "question");
+    await stale.getByText("You wrote: Put the butter on the counter & wait <b>").waitFor();
     await leave(page);
     await leave(stale);
   },
