@@ -11,6 +11,10 @@
 //!
 //! [`Store`] is what outlives a server. [`Models`] is the model that all sessions share.
 
+// What unit tests share with the others names the crate as they do.
+#[cfg(test)]
+extern crate self as longstep_server;
+
 mod approval;
 mod audit;
 mod desk;

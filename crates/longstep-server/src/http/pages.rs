@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::extract::{Extension, Path, RawQuery, Request, State};
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 
@@ -42,6 +42,11 @@ pub(super) fn wants_page(request: &Request) -> bool {
     let accepted = request.headers().get(header::ACCEPT);
     let accepts = accepted.is_some_and(|kinds| kinds.to_str().is_ok_and(|kinds| kinds.contains("text/html")));
     accepts && !request.uri().path().starts_with("/api/")
+}
+
+/// Returns true for the script, the style and the icon, which have no secrets: the page for strangers shows them.
+pub(super) fn is_asset(request: &Request) -> bool {
+    request.method() == Method::GET && request.uri().path().starts_with("/page/")
 }
 
 /// Writes a problem as a page.
@@ -178,11 +183,7 @@ fn again(
         Ok(next) => return Ok(Ok(next)),
         Err(problem) => problem,
     };
-    let attempt = Attempt {
-        form,
-        text: fields.get("text").unwrap_or_default().to_owned(),
-        problem: problem.clone(),
-    };
+    let attempt = Attempt::new(form, fields, problem.clone());
     // A page that cannot be shown either has the first reason.
     match show(&attempt) {
         Ok(sheet) => Ok(Err((problem, sheet))),

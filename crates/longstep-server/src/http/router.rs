@@ -72,8 +72,10 @@ async fn admitted(shared: &Shared, mut request: Request, next: Next) -> Result<R
         )
             .into_response());
     }
-    let person = shared.access.person(request.method(), request.headers())?;
-    request.extensions_mut().insert(person);
+    if !pages::is_asset(&request) {
+        let person = shared.access.person(request.method(), request.headers())?;
+        request.extensions_mut().insert(person);
+    }
     let path = request.uri().path();
     // A stop is never held up, and a reader of events is counted apart.
     let is_free = path.ends_with("/stop") || path == "/api/events";

@@ -1,5 +1,7 @@
 //! Forms: what is sent, and what is shown when it fails.
 
+use std::cell::Cell;
+
 use maud::{Markup, html};
 
 use crate::problem::Problem;
@@ -41,9 +43,21 @@ pub(crate) struct Attempt {
     pub(crate) text: String,
     /// The reason.
     pub(crate) problem: Problem,
+    /// True once a form has shown it.
+    is_shown: Cell<bool>,
 }
 
 impl Attempt {
+    /// Creates the attempt with the fields that were sent.
+    pub(crate) fn new(form: &'static str, fields: &Fields, problem: Problem) -> Self {
+        Self {
+            form,
+            text: fields.get("text").unwrap_or_default().to_owned(),
+            problem,
+            is_shown: Cell::new(false),
+        }
+    }
+
     /// Returns the attempt if it is one with this form.
     pub(super) fn at<'a>(attempt: Option<&'a Self>, form: &str) -> Option<&'a Self> {
         attempt.filter(|own| own.form == form)
@@ -53,7 +67,7 @@ impl Attempt {
 /// Shows a problem with its hint.
 pub(super) fn problem(problem: &Problem) -> Markup {
     html! {
-        div.problem role="alert" {
+        div.problem.attempt role="alert" {
             p { strong { "Not done: " } (problem.message) }
             @if let Some(hint) = &problem.hint { p.hint { "Hint: " (hint) } }
         }
@@ -62,7 +76,24 @@ pub(super) fn problem(problem: &Problem) -> Markup {
 
 /// Shows the problem of the last attempt with a form.
 pub(super) fn problem_of(attempt: Option<&Attempt>, form: &str) -> Markup {
-    html! { @if let Some(attempt) = Attempt::at(attempt, form) { (problem(&attempt.problem)) } }
+    html! {
+        @if let Some(attempt) = Attempt::at(attempt, form).filter(|own| !own.is_shown.replace(true)) {
+            (problem(&attempt.problem))
+        }
+    }
+}
+
+/// Shows an attempt whose form is no longer on the page, with its text; `page` is written before.
+pub(super) fn with_attempt(attempt: Option<&Attempt>, page: &Markup) -> Markup {
+    html! {
+        @if let Some(attempt) = attempt.filter(|own| !own.is_shown.get()) {
+            div.attempt data-key="attempt" {
+                (problem(&attempt.problem))
+                @if !attempt.text.is_empty() { p { "You wrote: " q { (attempt.text) } } }
+            }
+        }
+        (page)
+    }
 }
 
 /// A form that is one button.

@@ -12,6 +12,9 @@ use crate::problem::Problem;
 use crate::run::RunView;
 use crate::store::LogName;
 
+/// A run with the time of its last event.
+pub(super) type TimedRun = (Option<Timestamp>, Arc<RunView>);
+
 /// A session in a list.
 pub(super) struct SessionLine {
     pub(super) id: SessionId,
@@ -59,8 +62,8 @@ fn instructions(hub: &Hub, id: &SessionId) -> Vec<String> {
         .collect()
 }
 
-/// Returns the runs, the latest first, each with the time of its last event.
-pub(super) fn latest_runs(hub: &Hub) -> Vec<(Option<Timestamp>, Arc<RunView>)> {
+/// Returns the runs, the latest first.
+pub(super) fn latest_runs(hub: &Hub) -> Vec<TimedRun> {
     let timed = |run: Arc<RunView>| {
         let changed = hub.store.changed_at(&LogName::Run(run.record.id.clone()));
         (changed.ok().flatten(), run)

@@ -1,6 +1,6 @@
 //! The page of a server: HTML for the person who gives instructions, approves plans and watches runs.
 //!
-//! Every function is from the [`Hub`] to HTML or from a form to the hub; the network is in `http`. The page works without
+//! Every function is from the [`Hub`](crate::Hub) to HTML or from a form to the hub; the network is in `http`. The page works without
 //! a script: each change is a form. `page.js` replaces the part of the page that changes ([`Sheet::fragment`]), moves the
 //! slider, and sends the stop beside everything else.
 //!

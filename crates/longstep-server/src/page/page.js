@@ -1,12 +1,12 @@
 // Improves the page, which works without it: the live stream replaces what changes, the slider moves at once, and the
-// stop has a request of its own. Everything else is forms and links.
+// stop has a request of its own.
 "use strict";
 (() => {
   const find = (id) => document.getElementById(id);
   const live = () => find("live");
   const fields = "input, textarea, select";
   let source, requests = new AbortController();
-  let isRefreshing = false, isStale = false, isSending = false, changes = 0, swappedAt = 0, shown = "";
+  let isRefreshing = false, isStale = false, isSending = false, changes = 0, swappedAt = 0, shown = "", progress = "";
 
   // The part that changes
 
@@ -22,6 +22,9 @@
       if (from.getAttribute(name) !== value) from.setAttribute(name, value);
     }
   }
+
+  // The reason why a form failed stays until the next form.
+  const drop = (node) => isSending || !node.matches?.(".attempt") ? node.remove() : undefined;
 
   // Makes an element equal to another one and keeps those that are in both, with their focus, text and position.
   function morph(from, to) {
@@ -41,7 +44,7 @@
       while (old !== match) {
         const gone = old;
         old = old.nextSibling;
-        gone.remove();
+        drop(gone);
       }
       old = match.nextSibling;
       if (match.nodeType !== 1) {
@@ -51,7 +54,7 @@
     while (old) {
       const gone = old;
       old = old.nextSibling;
-      gone.remove();
+      drop(gone);
     }
   }
 
@@ -65,6 +68,7 @@
     document.title = `${next.dataset.title} · Longstep`;
     swappedAt = Date.now();
     showTimes();
+    showProgress();
     if (focused && focused !== document.body && !focused.isConnected) live().focus({ preventScroll: true });
   }
 
@@ -84,9 +88,14 @@
       // A form that was sent meanwhile has brought something newer.
       if (answer.ok && before === changes) swap(html);
       else isStale ||= before !== changes;
-    } catch { /* The live stream says that the server does not answer. */ }
+    } catch { /* The live stream says so. */ }
     isRefreshing = false;
     if (isStale && !isSending) setTimeout(refresh, 100);
+  }
+
+  // The stream may be faster than the page that shows it.
+  function showProgress() {
+    if (progress && find("progress")) find("progress").textContent = progress;
   }
 
   function showTimes() {
@@ -115,8 +124,8 @@
     source.addEventListener("happened", (event) => {
       const what = JSON.parse(event.data);
       if (what.kind !== "progress") return refresh();
-      const progress = find("progress");
-      if (progress) progress.textContent = `The model: ${what.text} …`;
+      progress = `The model: ${what.text} …`;
+      showProgress();
     });
   }
 
@@ -124,7 +133,7 @@
 
   function complain(form, text) {
     const note = document.createElement("p");
-    note.className = "problem";
+    note.className = "problem attempt";
     note.setAttribute("role", "alert");
     note.textContent = text;
     form.before(note);
@@ -133,6 +142,7 @@
   async function send(form) {
     isSending = true;
     changes += 1;
+    progress = "";
     form.setAttribute("aria-busy", "true");
     try {
       const options = { method: "POST", body: new URLSearchParams(new FormData(form)), headers: { Accept: "text/html" } };
@@ -264,7 +274,6 @@
     letters.addEventListener("change", () => localStorage.setItem("letters", letters.checked ? "on" : "off"));
   }
   document.addEventListener("visibilitychange", follow);
-  // A page that comes back from the cache of the browser is old.
   addEventListener("pageshow", (event) => event.persisted && refresh());
   showTimes();
   follow();

@@ -7,8 +7,11 @@ use longstep_picture::scene::{self, Changes, Scene};
 use longstep_picture::{Frame, SvgOptions};
 use maud::{Markup, PreEscaped};
 
-/// The width in which pictures are drawn: that of a phone. Wider places show them larger.
+/// The width in which a picture is drawn that has a place for itself: that of a phone. Wider places show it larger.
 const WIDTH: f64 = 360.0;
+
+/// The width of each of two pictures beside each other.
+const HALF: f64 = 280.0;
 
 /// Returns the rules for pictures.
 pub(super) fn stylesheet() -> String {
@@ -40,7 +43,7 @@ impl Moment {
             world,
             self.frame.before(),
             &Changes::default(),
-            "before",
+            ("before", HALF),
             "Scene before the step",
         )
     }
@@ -51,7 +54,7 @@ impl Moment {
             world,
             self.frame.after(),
             &self.frame.changes,
-            "after",
+            ("after", HALF),
             "Scene after the step",
         )
     }
@@ -59,13 +62,19 @@ impl Moment {
 
 /// Draws a world.
 pub(super) fn of_world(world: &World) -> Markup {
-    draw(world, &world.state, &Changes::default(), "scene", "The scene")
+    draw(world, &world.state, &Changes::default(), ("known", WIDTH), "The scene")
 }
 
 /// Draws a world, with the changes since an earlier state of it marked.
 pub(super) fn since(world: &World, earlier: &World) -> Markup {
     let changes = difference(world, &earlier.state, &world.state);
-    draw(world, &world.state, &changes, "scene", "The scene as it is known now")
+    draw(
+        world,
+        &world.state,
+        &changes,
+        ("known", WIDTH),
+        "The scene as it is known now",
+    )
 }
 
 /// Describes the difference between two states of a world.
@@ -77,8 +86,8 @@ fn difference(world: &World, before: &State, after: &State) -> Changes {
     Scene::difference(&Scene::of(world, before), &Scene::of(world, after))
 }
 
-fn draw(world: &World, state: &State, changes: &Changes, prefix: &str, title: &str) -> Markup {
-    let options = SvgOptions::new(WIDTH)
+fn draw(world: &World, state: &State, changes: &Changes, (prefix, width): (&str, f64), title: &str) -> Markup {
+    let options = SvgOptions::new(width)
         .with_prefix(prefix)
         .with_title(title)
         .without_style();
@@ -87,17 +96,18 @@ fn draw(world: &World, state: &State, changes: &Changes, prefix: &str, title: &s
 
 /// Writes changes as short sentences.
 fn words(world: &World, changes: &Changes) -> Vec<String> {
+    // What is no entity is the robot itself.
     let name = |id: &String| {
         world
             .find(id)
-            .map_or_else(|| id.clone(), |own| world.entity(own).name.clone())
+            .map_or_else(|| "robot".to_owned(), |own| world.entity(own).name.clone())
     };
     let mut words = Vec::new();
     for moved in &changes.moved {
         let from = moved
             .from
             .as_ref()
-            .map(|id| format!(" (was at {})", name(id)))
+            .map(|id| format!(" (before: {})", name(id)))
             .unwrap_or_default();
         let to = match (&moved.to, moved.relation) {
             (Some(to), Some(relation)) => format!("{} {}", relation.word(), name(to)),

@@ -16,13 +16,14 @@ use super::picture::Moment;
 pub(super) struct PlanTree<'a> {
     world: &'a World,
     plan: &'a Plan,
-    answer: &'a Answer,
+    /// The answer with edits and violations; none for a plan that was accepted.
+    answer: Option<&'a Answer>,
     /// The changes of each step, in words.
     changes: HashMap<usize, &'a [String]>,
     /// The step that the picture shows.
     shown: Option<usize>,
-    /// The path of the page.
-    path: String,
+    /// The path of the page that shows the scene of a step; none for a page without.
+    path: Option<String>,
 }
 
 impl<'a> PlanTree<'a> {
@@ -40,10 +41,22 @@ impl<'a> PlanTree<'a> {
         Self {
             world,
             plan,
-            answer,
+            answer: Some(answer),
             changes: changes.collect(),
             shown,
-            path,
+            path: Some(path),
+        }
+    }
+
+    /// Creates the tree of a plan that was accepted.
+    pub(super) fn accepted(world: &'a World, plan: &'a Plan) -> Self {
+        Self {
+            world,
+            plan,
+            answer: None,
+            changes: HashMap::new(),
+            shown: None,
+            path: None,
         }
     }
 
@@ -159,12 +172,16 @@ impl<'a> PlanTree<'a> {
         let call = step.call(self.world).to_string();
         let changes = self.changes.get(&index).copied().unwrap_or_default();
         let edits: Vec<&EditAnswer> = self.edits_at(index).collect();
-        let violations = self.answer.violations.iter().filter(|own| own.step == Some(index));
+        let violations = self.answer.iter().flat_map(|answer| &answer.violations);
+        let violations = violations.filter(|own| own.step == Some(index));
         html! {
             div.step.edited[!edits.is_empty()] id={ "step-" (index + 1) } {
-                a.number href={ (self.path) "?step=" (index + 1) "#scene" }
-                    aria-current=[(self.shown == Some(index)).then_some("step")]
-                    aria-label={ "Show the scene at step " (index + 1) } { (index + 1) }
+                @match &self.path {
+                    Some(path) => a.number href={ (path) "?step=" (index + 1) "#scene" }
+                        aria-current=[(self.shown == Some(index)).then_some("step")]
+                        aria-label={ "Show the scene at step " (index + 1) } { (index + 1) },
+                    None => span.number { (index + 1) },
+                }
                 div.body {
                     p.what { (phrase(&step.explanation)) " " code { (call) } }
                     @if !changes.is_empty() { p.effect { (changes.join("; ")) } }
@@ -177,14 +194,19 @@ impl<'a> PlanTree<'a> {
 
     fn edits_at(&self, step: usize) -> impl Iterator<Item = &EditAnswer> {
         self.answer
-            .edits
             .iter()
+            .flat_map(|answer| &answer.edits)
             .filter(move |edit| edit.at == step && edit.kind != "drop")
     }
 
     /// Lists the steps that a repair dropped.
     fn dropped(&self) -> Markup {
-        let dropped: Vec<&EditAnswer> = self.answer.edits.iter().filter(|edit| edit.kind == "drop").collect();
+        let dropped: Vec<&EditAnswer> = self
+            .answer
+            .iter()
+            .flat_map(|answer| &answer.edits)
+            .filter(|edit| edit.kind == "drop")
+            .collect();
         html! {
             @if !dropped.is_empty() {
                 div.list {

@@ -2,6 +2,7 @@
 
 use longstep::session::{Proposal, why};
 use longstep_core::domain::phrase;
+use longstep_core::model::Voice;
 use longstep_core::plan::StepId;
 use maud::{Markup, html};
 
@@ -70,12 +71,14 @@ fn decision(shown: &Shown<'_>, waiting: &Proposal, view: &ProposalView) -> Marku
             h2 #decision { @match &waiting.question { Some(question) => (question), None => "Your decision" } }
             @if moves { (effects(waiting)) }
             (problem_of(shown.attempt, "approve"))
-            div.buttons {
-                @if moves && !earlier && !view.offers_rule {
+            @if moves && !earlier && !view.offers_rule {
+                div.buttons {
                     @for robot in shown.hub.robots() {
                         (approve_form(shown, robot, &view.plan, if waiting.question.is_some() { "Yes, accept and approve for" } else { "Accept and approve for" }))
                     }
                 }
+            }
+            div.buttons {
                 (shown.button("accept", accept, "plain", &hash))
                 (shown.button("cancel", no, "plain", &[]))
             }
@@ -98,19 +101,19 @@ fn decision(shown: &Shown<'_>, waiting: &Proposal, view: &ProposalView) -> Marku
 /// Describes what is different after the plan, for each way in which it can end.
 fn effects(waiting: &Proposal) -> Markup {
     let world = waiting.plan.world();
-    let count = waiting.plan.endings().len();
     let mut endings: Vec<(Vec<String>, Vec<String>)> = Vec::new();
-    for (ending, told) in waiting.plan.endings().iter().zip(endings_when(waiting)) {
+    for ending in waiting.plan.endings() {
         let changes = picture::changes_between(world, &world.state, &ending.after);
+        let when = ending.when.iter().map(|fact| Voice::Person.fact(world, *fact, true));
         if endings.iter().all(|(_, own)| *own != changes) {
-            endings.push((told, changes));
+            endings.push((when.collect(), changes));
         }
     }
     html! {
         div.effects {
             @for (when, changes) in &endings {
                 h3 {
-                    @if count == 1 || endings.len() == 1 { "What will be different" }
+                    @if endings.len() == 1 { "What will be different" }
                     @else if when.is_empty() { "In every other case" }
                     @else { "If " (when.join(" and ")) }
                 }
@@ -121,13 +124,6 @@ fn effects(waiting: &Proposal) -> Markup {
             }
         }
     }
-}
-
-/// Returns, for each ending, the outcomes that tell it from the others.
-fn endings_when(waiting: &Proposal) -> Vec<Vec<String>> {
-    let told = &waiting.answer.plan.endings;
-    let when = |index: usize| told.get(index).map(|own| own.when.clone()).unwrap_or_default();
-    (0..waiting.plan.endings().len()).map(when).collect()
 }
 
 /// Writes the scene before and after a step, with a slider through the steps.
@@ -151,8 +147,8 @@ pub(super) fn slider(shown: &Shown<'_>, waiting: &Proposal) -> Markup {
         section.scene aria-labelledby="scene" {
             h2 #scene { "The scene, step by step" }
             form.slider method="get" action=(shown.path("")) {
-                a.turn rel="prev" href=[link(place.checked_sub(1))] { "Back" }
                 label for="slider" { "Step " (step) " of " (last) }
+                a.turn rel="prev" href=[link(place.checked_sub(1))] { "Back" }
                 input #slider type="range" name="step" min="0" max=(last) value=(step) data-keep
                     aria-valuetext={ "Step " (step) ": " (title(moment)) };
                 a.turn rel="next" href=[link(Some(place + 1).filter(|next| *next <= last))] { "Next" }

@@ -8,7 +8,7 @@ use longstep_core::visible;
 use maud::{Markup, html};
 
 use super::audit::short;
-use super::form::{Attempt, Button, problem_of};
+use super::form::{Attempt, Button, problem_of, with_attempt};
 use super::picture;
 use super::sheet::{Sheet, Stops};
 use crate::hub::Hub;
@@ -18,6 +18,9 @@ use crate::run::{EndView, QuestionView, RunState, RunView};
 
 /// The most notices that the page shows.
 const NOTICES: usize = 40;
+
+/// The words on the button that resumes a run.
+const RESUME: &str = "Take it up again from the world as it is";
 
 /// Writes the page of a run. `stop_was_sent` confirms a stop that was sent without the script.
 ///
@@ -40,7 +43,7 @@ pub(crate) fn run(hub: &Hub, id: &RunId, stop_was_sent: bool, attempt: Option<&A
             @if stop_was_sent && is_going { p.problem role="alert" { "Stop sent." } }
         }
         @if let Some(question) = &run.question { (ask(&run, question, attempt)) }
-        @if let Some(end) = &run.end { (ended(&run, end)) }
+        @if let Some(end) = &run.end { (ended(&run, end, attempt)) }
         (controls(&run, attempt))
         div.split {
             div.main {
@@ -61,7 +64,7 @@ pub(crate) fn run(hub: &Hub, id: &RunId, stop_was_sent: bool, attempt: Option<&A
         ..Sheet::new(
             format!("{}: {}", state_words(run.state), visible::line(&run.record.instruction)),
             format!("/runs/{id}"),
-            live,
+            with_attempt(attempt, &live),
         )
     })
 }
@@ -99,7 +102,10 @@ fn sentence(run: &RunView) -> String {
                 texts => format!("{progress}. Now: {}.", texts.join("; ")),
             }
         }
-        RunState::Asking => format!("{progress}. The robot waits for your answer."),
+        RunState::Asking => {
+            let asked = run.question.as_ref().map_or("", |question| question.text.as_str());
+            format!("{progress}. The robot waits for your answer: {asked}")
+        }
         RunState::Paused => format!("{progress}. Paused: no step begins before you continue."),
         RunState::Done => "Done.".to_owned(),
         RunState::Stopped => "Stopped.".to_owned(),
@@ -128,7 +134,7 @@ fn ask(run: &RunView, question: &QuestionView, attempt: Option<&Attempt>) -> Mar
     };
     html! {
         section.decision.asks aria-labelledby="question" {
-            h2 #question role="alert" { (question.text) }
+            h2 #question { (question.text) }
             (list("What changes", &question.edits))
             (list("The steps from here", &question.steps))
             (problem_of(attempt, "decide"))
@@ -145,32 +151,37 @@ fn list(title: &str, entries: &[String]) -> Markup {
     html! { @if !entries.is_empty() { div.list { h3 { (title) } ol { @for entry in entries { li { (entry) } } } } } }
 }
 
-fn ended(run: &RunView, end: &EndView) -> Markup {
+fn ended(run: &RunView, end: &EndView, attempt: Option<&Attempt>) -> Markup {
     html! {
         section.end.(run.state.name()) aria-labelledby="end" {
             h2 #end { @if end.done { "Done" } @else { "Stopped" } }
             p.sentence { (end.text) }
             p { a href={ "/sessions/" (run.record.session) } { "Back to the session" } }
+            @if end.resumable { (button(run, "resume", RESUME, attempt)) }
         }
     }
 }
 
 fn controls(run: &RunView, attempt: Option<&Attempt>) -> Markup {
-    let button = |form: &'static str, label: &str| {
-        let to = format!("/runs/{}/{form}", run.record.id);
-        html! { (problem_of(attempt, form)) (Button { to, label, class: "plain", fields: &[] }.html()) }
+    let control = match run.state {
+        RunState::Running | RunState::Asking => ("pause", "Pause after this step"),
+        RunState::Paused => ("continue", "Continue"),
+        RunState::Interrupted => ("resume", RESUME),
+        _ => return html! {},
     };
-    let is_resumable = run.state == RunState::Interrupted || run.end.as_ref().is_some_and(|end| end.resumable);
-    html! {
-        div.buttons {
-            @match run.state {
-                RunState::Running | RunState::Asking => (button("pause", "Pause after this step")),
-                RunState::Paused => (button("continue", "Continue")),
-                _ => {}
-            }
-            @if run.state.is_ended() && is_resumable { (button("resume", "Take it up again from the world as it is")) }
-        }
-    }
+    html! { div.buttons { (button(run, control.0, control.1, attempt)) } }
+}
+
+/// Writes a button of a run that needs no fields.
+fn button(run: &RunView, form: &'static str, label: &str, attempt: Option<&Attempt>) -> Markup {
+    let to = format!("/runs/{}/{form}", run.record.id);
+    let button = Button {
+        to,
+        label,
+        class: "plain",
+        fields: &[],
+    };
+    html! { (problem_of(attempt, form)) (button.html()) }
 }
 
 /// Writes the steps with their states, as they are on the board of the run.
@@ -235,7 +246,7 @@ fn notices(run: &RunView) -> Markup {
         @if !run.notices.is_empty() {
             section aria-labelledby="notices" {
                 h2 #notices { "Noticed" }
-                ol.notices reversed { @for notice in run.notices.iter().rev().take(NOTICES) { li { (notice) } } }
+                ul.notices tabindex="0" aria-labelledby="notices" { @for notice in run.notices.iter().rev().take(NOTICES) { li { (notice) } } }
             }
         }
     }
@@ -257,7 +268,7 @@ fn scene(hub: &Hub, run: &RunView) -> Markup {
         @if let Some((world, session)) = known {
             section.scene aria-labelledby="scene" {
                 h2 #scene { "The scene as it is known now" }
-                div.pictures {
+                div.pictures.single {
                     figure {
                         @if run.state.is_ended() { (picture::of_world(&world)) }
                         @else { (picture::since(&world, &session.robot_world)) }

@@ -4,10 +4,11 @@ use longstep_core::visible;
 use maud::{Markup, html};
 
 use super::audit::short;
-use super::form::{Attempt, Button, problem_of};
+use super::form::{Attempt, Button, problem_of, with_attempt};
 use super::goal::{left_out, list, understood};
 use super::listing::time;
 use super::picture;
+use super::plan::PlanTree;
 use super::proposal::proposal;
 use super::run::state_words;
 use super::sheet::Sheet;
@@ -18,7 +19,7 @@ use crate::id::{RunId, SessionId};
 use crate::problem::Problem;
 use crate::run::RunView;
 use crate::store::RecordKey;
-use crate::view::{AcceptedView, SessionView};
+use crate::view::AcceptedView;
 
 /// Writes the page of a session.
 ///
@@ -37,7 +38,7 @@ pub(crate) fn session(hub: &Hub, id: &SessionId, look: &Look, attempt: Option<&A
     let title = view.instruction.as_deref().unwrap_or("Session");
     let going = shown.going();
     let live = html! {
-        (headline(view))
+        (headline(&shown))
         @if let Some(run) = &going { (running(run)) }
         div.split {
             div.main { (stage(&shown)) (history(&shown)) }
@@ -48,24 +49,36 @@ pub(crate) fn session(hub: &Hub, id: &SessionId, look: &Look, attempt: Option<&A
         follows: Some(format!("?session={id}")),
         is_going: going.is_some(),
         is_waiting: view.state == "thinking",
-        ..Sheet::new(visible::line(title), format!("/sessions/{id}"), live)
+        ..Sheet::new(
+            visible::line(title),
+            format!("/sessions/{id}"),
+            with_attempt(attempt, &live),
+        )
     })
 }
 
-fn headline(view: &SessionView) -> Markup {
+fn headline(shown: &Shown<'_>) -> Markup {
+    let view = shown.view();
     html! {
         div.lead {
             p.quiet { "Session " span title=(view.id) { (short(view.id.as_str())) } " · " (view.domain) " · " (view.model) }
             h1 { (view.instruction.as_deref().unwrap_or("What should the robot do?")) }
-            p #state role="status" data-state=(view.state) { (sentence(view)) }
+            p #state role="status" data-state=(view.state) { (sentence(shown)) }
         }
     }
 }
 
 /// Describes the state of a session in a sentence.
-fn sentence(view: &SessionView) -> String {
+fn sentence(shown: &Shown<'_>) -> String {
+    let view = shown.view();
     match view.state {
-        "ready" => "Ready for an instruction.".to_owned(),
+        "ready" => match next(shown) {
+            None => "Ready for an instruction.".to_owned(),
+            Some(next) if waiting_approval(shown, next).is_some() => {
+                "The plan is approved. Nothing moves before you start it.".to_owned()
+            }
+            Some(_) => "A plan waits for a robot. Nothing moves before you approve and start it.".to_owned(),
+        },
         "thinking" => "The model works on it. Nothing moves.".to_owned(),
         "question" => "There is a question.".to_owned(),
         "consent" => "There is a question about the plan. Nothing moves before you approve it.".to_owned(),
@@ -132,16 +145,17 @@ fn instruct(shown: &Shown<'_>) -> Markup {
 
 fn no_plan(shown: &Shown<'_>) -> Markup {
     let view = shown.view();
+    let answer = view.failure.as_ref().and_then(|failure| failure.answer.as_ref());
     html! {
+        @if let Some(failure) = &view.failure {
+            p.problem { (failure.message) }
+        }
+        @if let Some(answer) = answer {
+            (left_out(answer))
+            (understood(view.instruction.as_deref().unwrap_or_default(), answer, &[]))
+        }
         section {
-            @if let Some(failure) = &view.failure {
-                p.problem { (failure.message) }
-                @if let Some(answer) = &failure.answer {
-                    (left_out(answer))
-                    (understood(view.instruction.as_deref().unwrap_or_default(), answer, &[]))
-                    (list("Notes", answer.notes.iter().map(String::as_str)))
-                }
-            }
+            @if let Some(answer) = answer { (list("Notes", answer.notes.iter().map(String::as_str))) }
             (shown.feedback())
             (shown.button("cancel", "Give this instruction up", "plain", &[]))
         }
@@ -167,16 +181,22 @@ fn endings(shown: &Shown<'_>) -> Markup {
     }
 }
 
+/// Returns the next accepted plan, if it waits for a robot.
+fn next<'s>(shown: &'s Shown<'_>) -> Option<&'s AcceptedView> {
+    let next = shown.view().accepted.iter().find(|own| own.pending);
+    next.filter(|_| shown.snapshot.next.is_some() && shown.going().is_none())
+}
+
 /// Writes the next accepted plan with its approval, or its start.
 fn approve_next(shown: &Shown<'_>) -> Markup {
-    let next = shown.view().accepted.iter().find(|own| own.pending);
-    let Some(next) = next.filter(|_| shown.snapshot.next.is_some() && shown.going().is_none()) else {
+    let (Some(next), Some(accepted)) = (next(shown), &shown.snapshot.next) else {
         return html! {};
     };
     html! {
         section.decision aria-labelledby="next" {
             h2 #next { "Accepted, and not carried out: " q { (next.instruction) } }
             (left_out_of(next))
+            (PlanTree::accepted(&accepted.before, accepted.plan.plan()).html())
             @match waiting_approval(shown, next) {
                 Some(approval) => (start_form(shown, &approval)),
                 None => (approve_forms(shown, next)),
@@ -215,10 +235,9 @@ fn start_form(shown: &Shown<'_>, approval: &Approval) -> Markup {
 
 fn approve_forms(shown: &Shown<'_>, next: &AcceptedView) -> Markup {
     html! {
-        ol.short { @for step in &next.steps { li { (step) } } }
         (problem_of(shown.attempt, "start"))
         (problem_of(shown.attempt, "approve"))
-        @for robot in shown.hub.robots() { (approve_form(shown, robot, &next.plan, "Approve for")) }
+        div.buttons { @for robot in shown.hub.robots() { (approve_form(shown, robot, &next.plan, "Approve for")) } }
         @if shown.hub.robots().is_empty() { p.quiet { "This server has no robot." } }
         p.quiet { "Plan " code title=(next.plan) { (short(&next.plan)) } }
     }
@@ -280,7 +299,7 @@ fn side(shown: &Shown<'_>) -> Markup {
         _ => html! {
             section.scene aria-labelledby="scene" {
                 h2 #scene { "The scene" }
-                div.pictures { figure { figcaption { "Before the next instruction" } (picture::of_world(&shown.snapshot.world)) } }
+                div.pictures.single { figure { figcaption { "Before the next instruction" } (picture::of_world(&shown.snapshot.world)) } }
             }
         },
     }

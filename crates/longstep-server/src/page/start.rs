@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::form::{Attempt, problem_of};
-use super::listing::{SessionLine, latest_runs, latest_sessions, time};
+use super::listing::{SessionLine, TimedRun, latest_runs, latest_sessions, time};
 use super::run::state_words;
 use super::sheet::Sheet;
 use crate::domains::Scene;
@@ -24,7 +24,7 @@ const ENDED_RUNS: usize = 8;
 /// The sessions cannot be listed.
 pub(crate) fn start(hub: &Hub, attempt: Option<&Attempt>) -> Result<Sheet, Problem> {
     let (sessions, count) = latest_sessions(hub, SESSIONS)?;
-    let is_going = hub.runs().iter().any(|run| !run.state.is_ended());
+    let (ended, going): (Vec<_>, Vec<_>) = latest_runs(hub).into_iter().partition(|(_, run)| run.state.is_ended());
     let live = html! {
         div.lead {
             h1 { "Tell the robot what to do" }
@@ -35,7 +35,7 @@ pub(crate) fn start(hub: &Hub, attempt: Option<&Attempt>) -> Result<Sheet, Probl
             (equipment(hub))
         }
         (problem_of(attempt, "begin"))
-        (runs(hub))
+        (runs("going", "Runs going on", &going, usize::MAX))
         section aria-labelledby="scenes" {
             h2 #scenes { "Begin a session" }
             @if hub.domains().scenes().is_empty() {
@@ -43,6 +43,7 @@ pub(crate) fn start(hub: &Hub, attempt: Option<&Attempt>) -> Result<Sheet, Probl
             }
             ul.cards { @for scene in hub.domains().scenes() { li { (card(scene)) } } }
         }
+        (runs("ended", "Last runs", &ended, ENDED_RUNS))
         section aria-labelledby="sessions" {
             h2 #sessions { "Sessions" }
             @if sessions.is_empty() { p.quiet { "There are none yet." } }
@@ -52,7 +53,7 @@ pub(crate) fn start(hub: &Hub, attempt: Option<&Attempt>) -> Result<Sheet, Probl
     };
     Ok(Sheet {
         follows: Some(String::new()),
-        is_going,
+        is_going: !going.is_empty(),
         ..Sheet::new("Start", "/", live)
     })
 }
@@ -72,7 +73,7 @@ fn equipment(hub: &Hub) -> Markup {
                     @for (number, robot) in hub.robots().iter().enumerate() {
                         @if number > 0 { ", " }
                         (robot.name)
-                        @if robot.body == Body::PerSession { " (a simulation for each session)" }
+                        @if robot.body == Body::PerSession { " (simulation)" }
                     }
                 }
             }
@@ -105,26 +106,19 @@ fn row(session: &SessionLine) -> Markup {
     }
 }
 
-/// Lists the runs that go on, and the last ones that have ended.
-fn runs(hub: &Hub) -> Markup {
-    let runs = latest_runs(hub);
-    let (ended, going): (Vec<_>, Vec<_>) = runs.into_iter().partition(|(_, run)| run.state.is_ended());
+/// Lists runs under a heading, unless there are none.
+fn runs(id: &str, title: &str, runs: &[TimedRun], limit: usize) -> Markup {
     html! {
-        @for (id, title, runs, limit) in [
-            ("going", "Runs going on", going, usize::MAX),
-            ("ended", "Last runs", ended, ENDED_RUNS),
-        ] {
-            @if !runs.is_empty() {
-                section aria-labelledby=(id) {
-                    h2 id=(id) { (title) }
-                    ul.rows {
-                        @for (changed, run) in runs.iter().take(limit) {
-                            li {
-                                a href={ "/runs/" (run.record.id) } {
-                                    span.what { (run.record.instruction) }
-                                    span.state.(run.state.name()) { (state_words(run.state)) }
-                                    span.quiet { "on " (run.record.robot) " · " (time(*changed)) }
-                                }
+        @if !runs.is_empty() {
+            section aria-labelledby=(id) {
+                h2 id=(id) { (title) }
+                ul.rows {
+                    @for (changed, run) in runs.iter().take(limit) {
+                        li {
+                            a href={ "/runs/" (run.record.id) } {
+                                span.what { (run.record.instruction) }
+                                span.state.(run.state.name()) { (state_words(run.state)) }
+                                span.quiet { "on " (run.record.robot) " · " (time(*changed)) }
                             }
                         }
                     }

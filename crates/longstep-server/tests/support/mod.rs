@@ -16,7 +16,8 @@ use longstep_server::{
 use tempfile::TempDir;
 
 /// A model that answers with the goal behind the first instruction of the table that the request contains. Instructions
-/// that contain "wait" are answered only when the call is stopped.
+/// that contain "wait" are answered only when the call is stopped. A goal that begins with `?` is a question, one that
+/// begins with `{` the whole answer.
 pub struct Scripted(pub Vec<(&'static str, &'static str)>);
 
 impl TokenCounter for Scripted {
@@ -53,6 +54,7 @@ impl ChatModel for Scripted {
         }
         let known = self.0.iter().find(|(words, _)| asked.contains(words));
         let (goal, question) = match known {
+            Some((_, whole)) if whole.starts_with('{') => return Ok(Reply::complete(*whole)),
             Some((_, goal)) if goal.starts_with('?') => ("", &goal[1..]),
             Some((_, goal)) => (*goal, ""),
             None => ("", "What do you mean?"),
