@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::id::{ApprovalId, RunId, SessionId};
 use crate::problem::Problem;
-use crate::store::{Durability, LogName, Store};
+use crate::store::{Durability, LogName, OwnedLog, Store};
 
 /// A line of the audit log.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -102,6 +102,7 @@ pub enum Deed {
 #[derive(Clone)]
 pub struct Audit {
     store: Arc<dyn Store>,
+    log: Arc<dyn OwnedLog>,
 }
 
 impl Audit {
@@ -109,10 +110,10 @@ impl Audit {
     ///
     /// # Errors
     ///
-    /// Another server has it.
+    /// Another server has it, and the store is not shared.
     pub fn open(store: Arc<dyn Store>) -> Result<Self, Problem> {
-        store.own(&LogName::Audit)?;
-        Ok(Self { store })
+        let log = store.own(&LogName::Audit)?.into();
+        Ok(Self { store, log })
     }
 
     /// Adds a line.
@@ -128,7 +129,7 @@ impl Audit {
         };
         // Plain data with string keys is always written.
         let line = serde_json::to_string(&entry).unwrap_or_default() + "\n";
-        Ok(self.store.append(&LogName::Audit, &line, Durability::Now)?)
+        Ok(self.log.append(&line, Durability::Now)?)
     }
 
     /// Adds the line that a plan was not accepted or not approved, or that an approval did not hold.
@@ -147,16 +148,15 @@ impl Audit {
         )
     }
 
-    /// Returns the last lines, the newest first. A line that a newer program wrote, and this one does not know, is left
-    /// out.
+    /// Returns the last lines, the newest first: at most `limit`, and at most [`LONGEST_TAIL`](crate::LONGEST_TAIL). The
+    /// rest of the log is not read. A line that a newer program wrote, and this one does not know, is left out.
     ///
     /// # Errors
     ///
     /// When the log cannot be read.
     pub fn last(&self, limit: usize) -> Result<Vec<AuditEntry>, Problem> {
-        let bytes = self.store.read(&LogName::Audit)?.unwrap_or_default();
-        let text = String::from_utf8_lossy(&bytes);
-        let entries = text.lines().rev().filter_map(|line| serde_json::from_str(line).ok());
-        Ok(entries.take(limit).collect())
+        let lines = self.store.tail(&LogName::Audit, limit)?;
+        let entries = lines.iter().rev().filter_map(|line| serde_json::from_str(line).ok());
+        Ok(entries.collect())
     }
 }

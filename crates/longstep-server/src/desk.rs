@@ -97,11 +97,10 @@ impl Hub {
     pub fn plan(self: &Arc<Self>, place: &NewSession, instruction: &str) -> Result<Planning, Problem> {
         let (planner, world) = self.place(place)?;
         let session = planner.session(world, self.settings(), self.facts())?;
-        let hosted = Hosted::new(SessionId::random()?, session, None, Arc::clone(self.feed()))?;
-        let hosted = Arc::new(hosted);
-        self.say_to(&hosted, &Said::Instruction(instruction.to_owned()))?;
+        let held = Hosted::begin(SessionId::random()?, session, None, Arc::clone(self.feed()))?;
+        self.say_to(&held, &Said::Instruction(instruction.to_owned()))?;
         Ok(Planning {
-            waiting: Waiting::new(hosted),
+            waiting: Waiting::new(Arc::clone(&held)),
         })
     }
 }

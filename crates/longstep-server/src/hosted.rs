@@ -1,12 +1,13 @@
 //! A session in a server: its state, its log, and the model that works for it.
 
 use std::collections::VecDeque;
+use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::Instant;
 
 use longstep::report;
-use longstep::session::{Entry, Event, Log, ObserveError, Session};
+use longstep::session::{Entry, Event, Log, ObserveError, Response, Session};
 use longstep_core::environment::Observation;
 use longstep_llm::{ChatModel, ModelError, Progress, StopFlag, Watch};
 use tokio::sync::watch;
@@ -15,8 +16,8 @@ use crate::domains::Domains;
 use crate::feed::{Feed, Happening};
 use crate::id::SessionId;
 use crate::problem::Problem;
-use crate::store::{Durability, LogName, Store};
-use crate::view::Snapshot;
+use crate::store::{Durability, LogName, OwnedLog, Store, StoreError};
+use crate::view::{AcceptedView, Snapshot};
 
 /// A session that is in memory.
 ///
@@ -37,6 +38,63 @@ pub(crate) struct Hosted {
     used: Mutex<Instant>,
     /// The ends of runs that the session takes when no instruction is in progress.
     ended_runs: Mutex<VecDeque<EndedRun>>,
+    holding: Mutex<Holding>,
+    /// True from a reading of the log until somebody has looked for what an earlier server left undone.
+    is_unsettled: AtomicBool,
+}
+
+/// The right to change a session.
+struct Holding {
+    /// The log, while this server owns it.
+    log: Option<Arc<dyn OwnedLog>>,
+    /// The number of those who may change the session now.
+    holders: usize,
+    /// The length of the log of which the session was made, while this server does not own it.
+    length: u64,
+    /// True after the right was lost, or an addition to the log has failed: the session is not as its log.
+    is_lost: bool,
+}
+
+impl Holding {
+    /// Marks the session as other than its log, for good. Another one may be made of the log then.
+    fn lose(&mut self) {
+        self.is_lost = true;
+        self.log = None;
+    }
+}
+
+/// The right to change a session: its log is owned until the last one is dropped, or for longer if no other server can
+/// have the session.
+pub(crate) struct Held(Arc<Hosted>);
+
+impl Deref for Held {
+    type Target = Arc<Hosted>;
+
+    fn deref(&self) -> &Arc<Hosted> {
+        &self.0
+    }
+}
+
+impl Clone for Held {
+    fn clone(&self) -> Self {
+        self.holding().holders += 1;
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        let mut holding = self.0.holding();
+        holding.holders -= 1;
+        let is_shared = self.0.store.as_ref().is_some_and(|store| store.is_shared());
+        if holding.holders > 0 || !is_shared {
+            return;
+        }
+        // Given back under the lock: another request of this server waits for that, and is not refused.
+        if let Some(log) = holding.log.take() {
+            holding.length = log.length();
+        }
+    }
 }
 
 /// The end of a run, as a session takes it.
@@ -51,15 +109,41 @@ pub(crate) struct EndedRun {
 }
 
 impl Hosted {
-    /// Takes a session; its log is owned and has the events before those of the session.
-    pub(crate) fn new(
+    /// Takes a new session with its log; none for one that is not kept.
+    pub(crate) fn begin(
         id: SessionId,
         session: Session,
-        store: Option<Arc<dyn Store>>,
+        kept: Option<(Arc<dyn Store>, Box<dyn OwnedLog>)>,
+        feed: Arc<Feed>,
+    ) -> Result<Held, Problem> {
+        let (store, log) = kept.unzip();
+        let hosted = Self::new(id, session, store, feed);
+        let mut holding = hosted.holding();
+        holding.log = log.map(Arc::from);
+        holding.holders = 1;
+        drop(holding);
+        let held = Held(Arc::new(hosted));
+        held.change(|_| Ok(()))?;
+        Ok(held)
+    }
+
+    /// Reads a session from its log.
+    pub(crate) fn read(
+        id: SessionId,
+        store: Arc<dyn Store>,
+        domains: &Domains,
         feed: Arc<Feed>,
     ) -> Result<Self, Problem> {
+        let (session, length) = resumed(store.as_ref(), &id, domains)?;
+        let hosted = Self::new(id, session, Some(store), feed);
+        hosted.holding().length = length;
+        hosted.is_unsettled.store(true, Ordering::SeqCst);
+        Ok(hosted)
+    }
+
+    fn new(id: SessionId, session: Session, store: Option<Arc<dyn Store>>, feed: Arc<Feed>) -> Self {
         let snapshot = Snapshot::of(&id, 0, &session, &[]);
-        let hosted = Self {
+        Self {
             id,
             store,
             feed,
@@ -70,9 +154,95 @@ impl Hosted {
             stop: StopFlag::default(),
             used: Mutex::new(Instant::now()),
             ended_runs: Mutex::default(),
-        };
-        hosted.change(|_| Ok(()))?;
-        Ok(hosted)
+            holding: Mutex::new(Holding {
+                log: None,
+                holders: 0,
+                length: 0,
+                is_lost: false,
+            }),
+            is_unsettled: AtomicBool::new(false),
+        }
+    }
+
+    fn holding(&self) -> MutexGuard<'_, Holding> {
+        self.holding.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes the right to change the session, which is read again if another server has changed it. None if the right was
+    /// lost: the session is to be read anew.
+    ///
+    /// # Errors
+    ///
+    /// Another server has the session, or its log cannot be read.
+    pub(crate) fn hold(self: &Arc<Self>, domains: &Domains) -> Result<Option<Held>, Problem> {
+        let mut holding = self.holding();
+        if let (None, Some(store)) = (&holding.log, self.store.as_ref().filter(|_| !holding.is_lost)) {
+            let log = store.own(&LogName::Session(self.id.clone()))?;
+            if log.length() != holding.length {
+                self.read_again(&mut holding, domains)?;
+            }
+            holding.log = Some(log.into());
+        }
+        let is_lost = holding.is_lost || holding.log.as_ref().is_some_and(|log| log.is_lost());
+        if is_lost {
+            holding.lose();
+            return Ok(None);
+        }
+        holding.holders += 1;
+        Ok(Some(Held(Arc::clone(self))))
+    }
+
+    /// Reads the session again if its log has another length and nobody here may change it. False if the right to change
+    /// it was lost: the session is to be read anew.
+    pub(crate) fn follow(&self, length: u64, domains: &Domains) -> Result<bool, Problem> {
+        let mut holding = self.holding();
+        match &holding.log {
+            Some(log) if log.is_lost() => holding.lose(),
+            Some(_) => {}
+            None if !holding.is_lost && holding.length != length => self.read_again(&mut holding, domains)?,
+            None => {}
+        }
+        Ok(!holding.is_lost)
+    }
+
+    fn read_again(&self, holding: &mut Holding, domains: &Domains) -> Result<(), Problem> {
+        let Some(store) = &self.store else { return Ok(()) };
+        let (session, length) = resumed(store.as_ref(), &self.id, domains)?;
+        let mut own = self.session();
+        *own = session;
+        holding.length = length;
+        // Those that the session has not taken are found again.
+        self.ended_runs.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.is_unsettled.store(true, Ordering::SeqCst);
+        // Plans with the same numbers may be others.
+        self.show_after(&own, &[]);
+        Ok(())
+    }
+
+    /// Returns true if this server may change the session now.
+    pub(crate) fn is_held(&self) -> bool {
+        self.holding().holders > 0
+    }
+
+    /// Returns true if the right to change the session was lost.
+    pub(crate) fn is_lost(&self) -> bool {
+        let holding = self.holding();
+        holding.is_lost || holding.log.as_ref().is_some_and(|log| log.is_lost())
+    }
+
+    /// Returns true the first time after the session was read from its log.
+    pub(crate) fn take_unsettled(&self) -> bool {
+        self.is_unsettled.swap(false, Ordering::SeqCst)
+    }
+
+    /// Cancels an instruction for which a model of an earlier server worked.
+    pub(crate) fn cancel_abandoned(&self) -> Result<(), Problem> {
+        self.change(|session| {
+            if !self.is_thinking() && matches!(session.response(), Response::Waiting) {
+                session.cancel()?;
+            }
+            Ok(())
+        })
     }
 
     /// Returns the id.
@@ -147,9 +317,10 @@ impl Hosted {
     /// Adds the new events to the log.
     fn keep(&self, session: &mut Session) -> Result<(), Problem> {
         let events = session.take_events();
-        let Some(store) = self.store.as_ref().filter(|_| !events.is_empty()) else {
+        if events.is_empty() || self.store.is_none() {
             return Ok(());
-        };
+        }
+        let log = self.holding().log.clone();
         let durability = if events.iter().any(Event::is_lasting) {
             Durability::Now
         } else {
@@ -160,13 +331,21 @@ impl Hosted {
             .into_iter()
             .map(|event| Entry::new(at.clone(), event).line())
             .collect();
-        Ok(store.append(&LogName::Session(self.id.clone()), &lines, durability)?)
+        let log = log.ok_or_else(|| StoreError::Lost(LogName::Session(self.id.clone()).words()));
+        let kept = log.and_then(|log| log.append(&lines, durability));
+        Ok(kept.inspect_err(|_| self.holding().lose())?)
     }
 
     fn show(&self, session: &Session) {
+        let before = self.snapshot.read().unwrap_or_else(PoisonError::into_inner).clone();
+        self.show_after(session, &before.view.accepted);
+    }
+
+    /// Shows the session; `before` has accepted plans that are in it too.
+    fn show_after(&self, session: &Session, before: &[AcceptedView]) {
         let version = *self.version.borrow() + 1;
         let mut shown = self.snapshot.write().unwrap_or_else(PoisonError::into_inner);
-        *shown = Arc::new(Snapshot::of(&self.id, version, session, &shown.view.accepted));
+        *shown = Arc::new(Snapshot::of(&self.id, version, session, before));
         let state = shown.view.state;
         drop(shown);
         self.version.send_replace(version);
@@ -196,13 +375,6 @@ impl Hosted {
         self.stop.set(true);
     }
 
-    /// Calls the model until it is the person's turn. The session is free during each call.
-    pub(crate) fn think(&self, model: &mut dyn ChatModel) {
-        if let Err(problem) = self.requests(model) {
-            let _ = self.change(|session| Ok(session.failed(&problem.message)?));
-        }
-        self.end_thinking();
-    }
 
     fn requests(&self, model: &mut dyn ChatModel) -> Result<(), Problem> {
         loop {
@@ -221,6 +393,19 @@ impl Hosted {
                 Err(error) => return Err(error.into()),
             }
         }
+    }
+}
+
+impl Held {
+    /// Calls the model until it is the person's turn, and gives the session back. The session is free during each call.
+    pub(crate) fn think(self, model: &mut dyn ChatModel) {
+        if let Err(problem) = self.requests(model) {
+            let _ = self.change(|session| Ok(session.failed(&problem.message)?));
+        }
+        let hosted = Arc::clone(&self.0);
+        // Before those who wait are told: the person may go on with another server.
+        drop(self);
+        hosted.end_thinking();
     }
 }
 
@@ -251,13 +436,13 @@ impl Watch for Calling<'_> {
     }
 }
 
-/// Reads the log of a session and resumes it. The log is owned by then.
-pub(crate) fn resumed(store: &dyn Store, id: &SessionId, domains: &Domains) -> Result<Session, Problem> {
+/// Reads the log of a session and resumes it. Returns the length of the log too.
+fn resumed(store: &dyn Store, id: &SessionId, domains: &Domains) -> Result<(Session, u64), Problem> {
     let bytes = store.read(&LogName::Session(id.clone()))?;
     let bytes = bytes.ok_or_else(|| Problem::missing("session", id))?;
     let log = Log::read(&bytes).map_err(|error| Problem::conflict(format!("session `{id}`: {error}")))?;
     let Some(Event::Begin { domain, .. }) = log.events().next() else {
         return Err(Problem::missing("session", id));
     };
-    Ok(domains.of_log(domain)?.resume(&log)?.session)
+    Ok((domains.of_log(domain)?.resume(&log)?.session, bytes.len() as u64))
 }

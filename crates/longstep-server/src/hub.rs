@@ -1,21 +1,21 @@
 //! The server without a network: sessions, approvals and runs, which every face shares.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use longstep::dialogue::ConstraintKind;
-use longstep::session::{ModelFacts, Session, Settings};
+use longstep::session::{ModelFacts, Settings};
 
 use crate::approval::Approvals;
 use crate::audit::Audit;
 use crate::domains::Domains;
 use crate::feed::Feed;
-use crate::hosted::{Hosted, resumed};
+use crate::hosted::{Held, Hosted};
 use crate::id::{RunId, SessionId};
 use crate::models::Models;
 use crate::problem::{Problem, ProblemKind};
 use crate::run::{Body, HostedRun, Queues, RobotEntry};
-use crate::store::{LogName, Store};
+use crate::store::{LogName, Store, StoreError};
 use crate::view::Snapshot;
 
 /// The most sessions that are kept in memory; others are read again from their logs.
@@ -86,6 +86,8 @@ pub struct Hub {
     pub(crate) feed: Arc<Feed>,
     sessions: Mutex<HashMap<SessionId, Arc<Hosted>>>,
     pub(crate) runs: Mutex<HashMap<RunId, Arc<HostedRun>>>,
+    /// Set when the runs of a store that is not shared were read.
+    pub(crate) are_runs_read: OnceLock<()>,
     /// Held while a run is begun, so that of two for one session one is refused.
     pub(crate) beginning: Mutex<()>,
     pub(crate) queues: Queues,
@@ -131,11 +133,12 @@ impl NewSession {
 }
 
 impl Hub {
-    /// Opens a server. Runs that an earlier server left are shown as interrupted.
+    /// Opens a server. Runs that an earlier server left are shown as interrupted. In a store that servers share, those of a
+    /// server that died are, when its leases have ended.
     ///
     /// # Errors
     ///
-    /// The audit log is open in another server, or the runs cannot be read.
+    /// The audit log is open in another server, and the store is not shared.
     pub fn open(configuration: Configuration) -> Result<Arc<Self>, Problem> {
         let Configuration {
             store,
@@ -156,11 +159,15 @@ impl Hub {
             feed: Arc::default(),
             sessions: Mutex::default(),
             runs: Mutex::default(),
+            are_runs_read: OnceLock::new(),
             beginning: Mutex::default(),
             queues: Queues::default(),
         };
-        hub.load_runs()?;
-        Ok(Arc::new(hub))
+        let hub = Arc::new(hub);
+        if hub.store.is_shared() {
+            hub.keep_watch();
+        }
+        Ok(hub)
     }
 
     /// Returns the live stream.
@@ -220,8 +227,11 @@ impl Hub {
         let (planner, world) = self.place(new)?;
         let session = planner.session(world, self.settings, self.facts())?;
         let id = SessionId::random()?;
-        self.store.own(&LogName::Session(id.clone()))?;
-        Ok(self.admit(id, session)?.snapshot())
+        let log = self.store.own(&LogName::Session(id.clone()))?;
+        let kept = Some((Arc::clone(&self.store), log));
+        let held = Hosted::begin(id, session, kept, Arc::clone(&self.feed))?;
+        self.admit(&held);
+        Ok(held.snapshot())
     }
 
     /// Returns the facts about the model, or those of a model that will never be asked.
@@ -234,10 +244,9 @@ impl Hub {
         self.settings
     }
 
-    /// Keeps a session in memory; those that nobody has used for the longest time leave it.
-    fn admit(&self, id: SessionId, session: Session) -> Result<Arc<Hosted>, Problem> {
-        let (store, feed) = (Some(Arc::clone(&self.store)), Arc::clone(&self.feed));
-        let hosted = Arc::new(Hosted::new(id, session, store, feed)?);
+    /// Keeps a session in memory; those that nobody has used for the longest time leave it. Of two that were read at once
+    /// the first one stays, and is returned.
+    fn admit(&self, hosted: &Arc<Hosted>) -> Arc<Hosted> {
         let mut resident = self.resident();
         while resident.len() >= RESIDENT {
             // Nobody else holds a session that is idle.
@@ -248,34 +257,93 @@ impl Hub {
                 break;
             };
             resident.remove(&id);
-            self.store.release(&LogName::Session(id));
         }
-        resident.insert(hosted.id().clone(), Arc::clone(&hosted));
-        Ok(hosted)
+        Arc::clone(resident.entry(hosted.id().clone()).or_insert_with(|| Arc::clone(hosted)))
     }
 
-    /// Returns a session, from memory or from its log.
+    /// Returns a session from memory, or from its log.
+    fn found(&self, id: &SessionId) -> Result<Arc<Hosted>, Problem> {
+        if let Some(hosted) = self.resident().get(id) {
+            return Ok(Arc::clone(hosted));
+        }
+        // To own a log makes its file.
+        if self.store.state(&LogName::Session(id.clone()))?.is_none() {
+            return Err(Problem::missing("session", id));
+        }
+        let (store, feed) = (Arc::clone(&self.store), Arc::clone(&self.feed));
+        let hosted = Hosted::read(id.clone(), store, &self.domains, feed)?;
+        Ok(self.admit(&Arc::new(hosted)))
+    }
+
+    /// Ends the calls of models for the sessions in memory.
+    pub(crate) fn stop_models(&self) {
+        let resident = self.resident();
+        let thinking = resident.values().filter(|session| session.is_thinking());
+        thinking.for_each(|session| session.stop_thinking());
+    }
+
+    /// Returns true if anything may change a session in memory.
+    pub(crate) fn is_any_held(&self) -> bool {
+        self.resident().values().any(|session| session.is_held())
+    }
+
+    /// Drops a session from memory whose right was lost: it is read from its log when it is needed.
+    fn forget(&self, hosted: &Arc<Hosted>) {
+        let mut resident = self.resident();
+        if resident.get(hosted.id()).is_some_and(|own| Arc::ptr_eq(own, hosted)) {
+            resident.remove(hosted.id());
+        }
+    }
+
+    /// Returns a session with the right to change it. No other server has it until that is dropped.
+    ///
+    /// # Errors
+    ///
+    /// There is none, another server works on it, or another program has it open.
+    pub(crate) fn held(&self, id: &SessionId) -> Result<Held, Problem> {
+        for _ in 0..2 {
+            let hosted = self.found(id)?;
+            // What was read without the lock of a file does not stay.
+            let held = hosted.hold(&self.domains).inspect_err(|_| {
+                if !self.store.is_shared() {
+                    self.forget(&hosted);
+                }
+            })?;
+            if let Some(held) = held {
+                if held.take_unsettled() {
+                    held.cancel_abandoned()?;
+                    self.settle_runs(&held)?;
+                }
+                return Ok(held);
+            }
+            self.forget(&hosted);
+        }
+        Err(StoreError::Lost(LogName::Session(id.clone()).words()).into())
+    }
+
+    /// Returns a session to look at it: as this server has it, or as its log has it.
     ///
     /// # Errors
     ///
     /// There is none, or another program has it open.
-    pub(crate) fn hosted(&self, id: &SessionId) -> Result<Arc<Hosted>, Problem> {
-        if let Some(hosted) = self.resident().get(id) {
-            return Ok(Arc::clone(hosted));
+    pub(crate) fn seen(&self, id: &SessionId) -> Result<Arc<Hosted>, Problem> {
+        if !self.store.is_shared() {
+            return Ok(Arc::clone(&*self.held(id)?));
         }
-        let log = LogName::Session(id.clone());
-        // To own a log makes its file.
-        if self.store.changed_at(&log)?.is_none() {
+        let hosted = self.found(id)?;
+        let state = self.store.state(&LogName::Session(id.clone()))?;
+        let Some(state) = state else {
             return Err(Problem::missing("session", id));
+        };
+        if !hosted.follow(state.length, &self.domains)? {
+            self.forget(&hosted);
+            return self.found(id);
         }
-        self.store.own(&log)?;
-        let session = resumed(self.store.as_ref(), id, &self.domains).inspect_err(|_| self.store.release(&log))?;
-        // Two requests at once read the log twice; the first one stays.
-        if let Some(hosted) = self.resident().get(id) {
-            return Ok(Arc::clone(hosted));
+        let is_abandoned = hosted.snapshot().view.state == "thinking" && !hosted.is_held() && !state.is_owned;
+        if is_abandoned {
+            // The server of its model has ended. Another one may be faster to see that.
+            drop(self.held(id));
         }
-        let hosted = self.admit(id.clone(), session)?;
-        self.settle_runs(&hosted)?;
         Ok(hosted)
     }
 
@@ -285,7 +353,7 @@ impl Hub {
     ///
     /// There is none, or another program has it open.
     pub fn session(&self, id: &SessionId) -> Result<Arc<Snapshot>, Problem> {
-        Ok(self.hosted(id)?.snapshot())
+        Ok(self.seen(id)?.snapshot())
     }
 
     /// Returns the ids of all sessions.

@@ -9,7 +9,7 @@
 //! - [`Hub::pause`], [`Hub::go_on`], [`Hub::stop`], [`Hub::decide`]: a run under way.
 //! - [`Feed`]: the live stream.
 //!
-//! [`Store`] is what outlives a server. [`Models`] is the model that all sessions share.
+//! [`Store`] is what outlives a server: files for one, a database for several. [`Models`] is the model that all sessions share.
 
 // What unit tests share with the others names the crate as they do.
 #[cfg(test)]
@@ -20,6 +20,7 @@ mod audit;
 mod desk;
 mod domains;
 mod feed;
+mod history;
 mod hosted;
 pub mod http;
 mod hub;
@@ -31,6 +32,7 @@ mod operate;
 mod page;
 mod problem;
 mod run;
+mod shared;
 mod store;
 mod talk;
 mod view;
@@ -45,6 +47,10 @@ pub use id::{ApprovalId, RunId, SessionId};
 pub use models::{Models, OpenModel};
 pub use problem::{Problem, ProblemKind};
 pub use run::{Body, EndView, OpenRobot, QuestionView, RobotEntry, RunRecord, RunState, RunView};
-pub use store::{Durability, FileStore, LogName, RecordKey, Store, StoreError};
+pub use store::{
+    Durability, FileStore, LONGEST_TAIL, LogName, LogState, OwnedLog, RecordKey, Store, StoreError, StoredRun,
+};
+#[cfg(feature = "postgres")]
+pub use store::{PostgresOptions, PostgresStore};
 pub use talk::{Said, Waiting};
 pub use view::{AcceptedView, EndingView, FailureView, ProposalView, SessionView, Snapshot, plan_hash};

@@ -1,23 +1,20 @@
 //! Approvals used, and runs begun, paused, continued and stopped.
 
-use std::collections::HashMap;
-use std::path::Path;
-use std::sync::{Arc, MutexGuard, PoisonError};
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use longstep_core::environment;
 use longstep_core::execution::{Aim, Event};
 use longstep_core::json;
-use longstep_robot::RunLog;
 
 use crate::approval::{Approval, Approved};
 use crate::audit::Deed;
-use crate::hosted::{EndedRun, Hosted};
+use crate::hosted::Held;
 use crate::hub::Hub;
 use crate::id::{ApprovalId, RunId, SessionId};
 use crate::problem::Problem;
-use crate::run::{EndView, HostedRun, RunRecord, RunState, RunView, Start, Task};
-use crate::store::{LogName, RecordKey};
+use crate::run::{EndView, HostedRun, Rights, RobotEntry, RunRecord, RunState, RunView, Start, Task};
+use crate::store::{LogName, StoreError};
 use crate::view::{accepted_hash, goal_of};
 
 impl Hub {
@@ -34,7 +31,7 @@ impl Hub {
         by: &str,
         lifetime: Duration,
     ) -> Result<Approval, Problem> {
-        let snapshot = self.hosted(id)?.snapshot();
+        let snapshot = self.seen(id)?.snapshot();
         let entry = self.robot(robot)?;
         let next = snapshot.next.as_ref().map(|accepted| accepted_hash(accepted));
         if next.as_deref() != Some(plan) {
@@ -61,10 +58,10 @@ impl Hub {
     /// The approval does not hold, or the robot cannot take another run.
     pub fn start(&self, approval: &ApprovalId, urgent: bool, by: &str) -> Result<Arc<RunView>, Problem> {
         let approval = self.approvals.find(approval)?;
-        let hosted = self.hosted(&approval.session)?;
+        let held = self.held(&approval.session)?;
         let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
         self.refuse_during_run(&approval.session)?;
-        let snapshot = hosted.snapshot();
+        let snapshot = held.snapshot();
         let entry = self.robot(&approval.robot)?.clone();
         let Some(accepted) = &snapshot.next else {
             return Err(Problem::conflict("no accepted plan waits for a robot"));
@@ -76,6 +73,8 @@ impl Hub {
             robot: &entry.name,
         };
         let run = RunId::random()?;
+        // First: a robot of another server must not use up the approval.
+        let rights = self.rights(&run, &entry, held)?;
         self.approvals.consume(&approval, &subject, &run, by)?;
         let number = snapshot
             .view
@@ -84,7 +83,7 @@ impl Hub {
             .find(|own| own.pending)
             .map_or(0, |own| own.number);
         let record = RunRecord {
-            id: run.clone(),
+            id: run,
             session: approval.session.clone(),
             number,
             plan: approval.plan.clone(),
@@ -94,32 +93,37 @@ impl Hub {
             instruction: accepted.instruction.clone(),
             urgent,
         };
-        let text = serde_json::to_string(&record).unwrap_or_default();
-        self.store.insert(&RecordKey::Run(run.clone()), &text)?;
+        self.keep_record(&record)?;
         let start = Start::Plan {
             plan: Box::new(accepted.plan.clone()),
             aim: Aim::from((!goal_of(accepted).is_empty()).then(|| goal_of(accepted).join(" & "))),
             domain: accepted.before.domain().name.clone(),
         };
-        let run = Arc::new(HostedRun::new(record, Arc::clone(&self.feed), RunState::Queued));
-        self.queue(&run, hosted, start)
+        self.queue(HostedRun::begin(record, Arc::clone(&self.feed), rights), entry, start)
     }
 
-    fn queue(&self, run: &Arc<HostedRun>, session: Arc<Hosted>, start: Start) -> Result<Arc<RunView>, Problem> {
-        let entry = self.robot(&run.record().robot)?.clone();
+    /// Takes the rights that a run needs.
+    fn rights(&self, run: &RunId, entry: &RobotEntry, session: Held) -> Result<Rights, Problem> {
+        let body = Self::body(entry, session.id());
+        let robot = self.queues.right(&body, || self.store.own(&LogName::Robot(body.clone())))?;
+        let log = self.store.own(&LogName::Run(run.clone()))?.into();
+        Ok(Rights { log, robot, session })
+    }
+
+    fn queue(&self, run: HostedRun, entry: RobotEntry, start: Start) -> Result<Arc<RunView>, Problem> {
+        let run = Arc::new(run);
         let body = Self::body(&entry, &run.record().session);
-        self.hosted_runs().insert(run.record().id.clone(), Arc::clone(run));
+        self.keep_run(Arc::clone(&run));
         let task = Task {
-            run: Arc::clone(run),
+            run: Arc::clone(&run),
             entry,
-            session,
-            store: Arc::clone(&self.store),
             audit: self.audit.clone(),
             start,
         };
         run.update(|_| {});
         let queued = self.queues.add(&body, task);
         if let Err(problem) = &queued {
+            run.give_back();
             run.update(|view| {
                 view.state = RunState::Stopped;
                 view.end = Some(EndView {
@@ -132,38 +136,13 @@ impl Hub {
         queued.map(|()| run.view())
     }
 
-    pub(crate) fn hosted_runs(&self) -> MutexGuard<'_, HashMap<RunId, Arc<HostedRun>>> {
-        self.runs.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    pub(crate) fn hosted_run(&self, id: &RunId) -> Result<Arc<HostedRun>, Problem> {
-        let found = self.hosted_runs().get(id).cloned();
-        found.ok_or_else(|| Problem::missing("run", id))
-    }
-
-    /// Returns a run as it is now. Never waits.
-    ///
-    /// # Errors
-    ///
-    /// There is none with this id.
-    pub fn run(&self, id: &RunId) -> Result<Arc<RunView>, Problem> {
-        Ok(self.hosted_run(id)?.view())
-    }
-
-    /// Returns all runs, in the order of their ids.
-    pub fn runs(&self) -> Vec<Arc<RunView>> {
-        let mut runs: Vec<_> = self.hosted_runs().values().map(|run| run.view()).collect();
-        runs.sort_by(|one, other| one.record.id.cmp(&other.record.id));
-        runs
-    }
-
     /// Answers the question of a run. For a proposal, `question` is the hash that the person saw.
     ///
     /// # Errors
     ///
     /// The run asks something else, or nothing.
     pub fn decide(&self, id: &RunId, question: &str, yes: bool, by: &str) -> Result<Arc<RunView>, Problem> {
-        let run = self.hosted_run(id)?;
+        let run = self.here(id)?;
         let asked = run.view().question.clone();
         let is_proposal = asked.is_some_and(|asked| matches!(asked.kind, "plan" | "change" | "step"));
         // The decision is in the audit log before it takes effect.
@@ -203,15 +182,25 @@ impl Hub {
         Ok(run.view())
     }
 
-    fn going(&self, id: &RunId) -> Result<Arc<HostedRun>, Problem> {
+    /// Returns a run that this server can control.
+    fn here(&self, id: &RunId) -> Result<Arc<HostedRun>, Problem> {
         let run = self.hosted_run(id)?;
+        if run.is_elsewhere() {
+            return Err(StoreError::Taken(LogName::Run(id.clone()).words()).into());
+        }
+        Ok(run)
+    }
+
+    fn going(&self, id: &RunId) -> Result<Arc<HostedRun>, Problem> {
+        let run = self.here(id)?;
         if run.view().state.is_ended() {
             return Err(Problem::conflict("the run has ended"));
         }
         Ok(run)
     }
 
-    /// Stops a run: the robot before anything else. Waits for nothing. A run that has ended is no error.
+    /// Stops a run: the robot before anything else. Waits for nothing, unless another server carries the run out: that one
+    /// gets the stop through the store. A run that has ended is no error.
     ///
     /// # Errors
     ///
@@ -219,32 +208,32 @@ impl Hub {
     pub fn stop(&self, id: &RunId, by: &str) -> Result<Arc<RunView>, Problem> {
         let run = self.hosted_run(id)?;
         run.control().stop();
+        if run.is_elsewhere() {
+            self.stop_elsewhere(id, run.epoch())?;
+        }
         self.audit.add(by, Deed::Stopped { run: Some(id.clone()) })?;
         Ok(run.view())
     }
 
-    /// Stops all robots, before anything else. Returns the number of runs that were going on.
+    /// Stops all robots, before anything else; those of other servers through the store. Returns the number of runs that
+    /// were going on.
     ///
     /// # Errors
     ///
-    /// That the audit log could not be written is said after the robots were stopped.
+    /// That the audit log could not be written, or that other servers could not be reached, is said after the robots of
+    /// this one were stopped.
     pub fn stop_all(&self, by: &str) -> Result<usize, Problem> {
-        let runs: Vec<_> = self.hosted_runs().values().cloned().collect();
-        let going: Vec<_> = runs.into_iter().filter(|run| !run.view().state.is_ended()).collect();
-        going.iter().for_each(|run| run.control().stop());
+        let here = self.stop_here();
+        let elsewhere = self.stop_all_elsewhere();
         self.audit.add(by, Deed::Stopped { run: None })?;
-        Ok(going.len())
+        Ok(here + elsewhere?)
     }
 
-    /// Returns an error while a robot carries out a plan of a session.
-    pub(crate) fn refuse_during_run(&self, id: &SessionId) -> Result<(), Problem> {
-        let is_busy = |run: &Arc<HostedRun>| run.record().session == *id && !run.view().state.is_ended();
-        if self.hosted_runs().values().any(is_busy) {
-            return Err(
-                Problem::conflict("a robot carries out a plan of this session").hint("wait for the run, or stop it")
-            );
-        }
-        Ok(())
+    /// Stops the robots of this server; returns the number of runs that were going on.
+    pub(crate) fn stop_here(&self) -> usize {
+        let going = self.going_here();
+        going.iter().for_each(|run| run.control().stop());
+        going.len()
     }
 
     /// Takes up an interrupted run from its log, on the same robot.
@@ -253,7 +242,7 @@ impl Hub {
     ///
     /// The run is not interrupted, or its log cannot be read.
     pub fn resume(&self, id: &RunId, by: &str) -> Result<Arc<RunView>, Problem> {
-        let run = self.hosted_run(id)?;
+        let run = self.here(id)?;
         let view = run.view();
         let is_resumable = view.state == RunState::Interrupted || view.end.as_ref().is_some_and(|end| end.resumable);
         if !view.state.is_ended() || !is_resumable {
@@ -261,112 +250,21 @@ impl Hub {
         }
         let record = run.record().clone();
         let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = self.held(&record.session)?;
         self.refuse_during_run(&record.session)?;
-        let hosted = self.hosted(&record.session)?;
-        let (domain, events) = self.run_log(id)?;
-        let planner = self.domains.planner(&domain)?;
+        let entry = self.robot(&record.robot)?.clone();
+        // From here on nobody else adds to the log.
+        let rights = self.rights(id, &entry, held)?;
+        let (header, events) = self.run_log(id)?;
+        let planner = self.domains.planner(&header.domain)?;
         let Some(Event::Began { environment, .. }) = events.first() else {
             return Err(Problem::conflict("the log of the run has no beginning"));
         };
         let world = environment::read(planner.domain(), environment, "the log", "", &json::Path::default());
         let world = world.map_err(|error| Problem::conflict(error.to_string()))?;
         self.audit.add(by, Deed::Continued { run: id.clone() })?;
-        let run = Arc::new(HostedRun::new(record, Arc::clone(&self.feed), RunState::Queued));
+        let run = HostedRun::begin(record, Arc::clone(&self.feed), rights);
         let world = Box::new(world);
-        self.queue(&run, hosted, Start::Log { events, world })
-    }
-
-    /// Reads the log of a run: the domain, and the events.
-    fn run_log(&self, id: &RunId) -> Result<(String, Vec<Event>), Problem> {
-        let bytes = self.store.read(&LogName::Run(id.clone()))?.unwrap_or_default();
-        let text = String::from_utf8_lossy(&bytes);
-        let read = RunLog::parse(Path::new(id.as_str()), &text);
-        let (header, events) =
-            read.map_err(|error| Problem::conflict(format!("the log of the run cannot be read: {error}")))?;
-        Ok((header.domain, events))
-    }
-
-    /// Takes up the runs of earlier servers as they ended.
-    pub(crate) fn load_runs(&self) -> Result<(), Problem> {
-        for id in self.store.runs()? {
-            let Some(text) = self.store.record(&RecordKey::Run(id.clone()))? else {
-                // A run of the command line.
-                continue;
-            };
-            let Ok(record) = serde_json::from_str::<RunRecord>(&text) else {
-                continue;
-            };
-            let (state, end) = match self.run_log(&id) {
-                Ok((_, events)) => end_of(&events),
-                Err(problem) => (
-                    RunState::Stopped,
-                    Some(EndView {
-                        done: false,
-                        text: problem.message,
-                        resumable: false,
-                    }),
-                ),
-            };
-            let run = HostedRun::new(record, Arc::clone(&self.feed), state);
-            run.update(|view| view.end = end);
-            self.hosted_runs().insert(id, Arc::new(run));
-        }
-        Ok(())
-    }
-
-    /// Gives a session that is read from its log the ends of runs that it has not taken before a server ended.
-    pub(crate) fn settle_runs(&self, hosted: &Arc<Hosted>) -> Result<(), Problem> {
-        let snapshot = hosted.snapshot();
-        let Some(next) = snapshot.view.accepted.iter().find(|accepted| accepted.pending) else {
-            return Ok(());
-        };
-        let is_done = |run: &&Arc<HostedRun>| {
-            let record = run.record();
-            let is_same =
-                record.session == snapshot.view.id && record.number == next.number && record.plan == next.plan;
-            is_same && run.view().state == RunState::Done && !run.view().dry_run
-        };
-        let run = self
-            .hosted_runs()
-            .values()
-            .find(is_done)
-            .map(|run| run.record().id.clone());
-        let Some(run) = run else { return Ok(()) };
-        let (_, events) = self.run_log(&run)?;
-        let statements = events.iter().rev().find_map(|event| match event {
-            Event::Observed { statements } => Some(statements.clone()),
-            _ => None,
-        });
-        match statements {
-            Some(statements) => hosted.run_ended(EndedRun {
-                number: next.number,
-                is_reached: true,
-                statements,
-            }),
-            None => Ok(()),
-        }
-    }
-}
-
-/// Returns the state of a run by its log.
-fn end_of(events: &[Event]) -> (RunState, Option<EndView>) {
-    match events.last() {
-        Some(Event::Done { .. }) => {
-            let end = EndView {
-                done: true,
-                text: "the goal is reached in the observed world".to_owned(),
-                resumable: false,
-            };
-            (RunState::Done, Some(end))
-        }
-        Some(Event::Stopped { why, .. }) => {
-            let end = EndView {
-                done: false,
-                text: why.clone(),
-                resumable: true,
-            };
-            (RunState::Stopped, Some(end))
-        }
-        _ => (RunState::Interrupted, None),
+        self.queue(run, entry, Start::Log { events, world })
     }
 }

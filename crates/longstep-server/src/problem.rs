@@ -120,12 +120,14 @@ impl From<ObserveError> for Problem {
 
 impl From<StoreError> for Problem {
     fn from(error: StoreError) -> Self {
-        let kind = match &error {
-            StoreError::Busy(_) => ProblemKind::Conflict,
-            StoreError::TooLarge(_) => ProblemKind::TooLarge,
-            StoreError::File { .. } => ProblemKind::Internal,
+        let (kind, hint) = match &error {
+            StoreError::Open(_) => (ProblemKind::Conflict, None),
+            StoreError::Taken(_) => (ProblemKind::Busy, Some("try again in some seconds")),
+            StoreError::Lost(_) => (ProblemKind::Busy, Some("look at it again; nothing was changed")),
+            StoreError::TooLarge(_) => (ProblemKind::TooLarge, None),
+            StoreError::File { .. } | StoreError::Database { .. } => (ProblemKind::Internal, None),
         };
-        Self::new(kind, error.to_string())
+        Self::new(kind, error.to_string()).hinted(hint.map(str::to_owned))
     }
 }
 

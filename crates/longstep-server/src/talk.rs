@@ -5,7 +5,7 @@ use std::sync::Arc;
 use longstep::session::Session;
 
 use crate::audit::Deed;
-use crate::hosted::Hosted;
+use crate::hosted::{Held, Hosted};
 use crate::hub::{Hub, checked_text};
 use crate::id::SessionId;
 use crate::problem::{Problem, ProblemKind};
@@ -97,26 +97,26 @@ impl Hub {
     ///
     /// The session waits for something else, the queue for the model is full, or there is no model.
     pub fn say(self: &Arc<Self>, id: &SessionId, said: &Said) -> Result<Waiting, Problem> {
-        let hosted = self.hosted(id)?;
-        self.say_to(&hosted, said)?;
-        Ok(Waiting::new(hosted))
+        let held = self.held(id)?;
+        self.say_to(&held, said)?;
+        Ok(Waiting::new(Arc::clone(&held)))
     }
 
-    pub(crate) fn say_to(self: &Arc<Self>, hosted: &Arc<Hosted>, said: &Said) -> Result<(), Problem> {
+    pub(crate) fn say_to(self: &Arc<Self>, held: &Held, said: &Said) -> Result<(), Problem> {
         let Some(models) = &self.models else {
             return Err(Problem::new(ProblemKind::Failed, "this server has no model")
                 .hint("start it with `longstep serve --model NAME`"));
         };
-        if !hosted.begin_thinking() {
+        if !held.begin_thinking() {
             return Err(Problem::conflict("a model works for this session already")
                 .hint("wait for it, or cancel the instruction"));
         }
         let job = {
-            let hosted = Arc::clone(hosted);
-            Box::new(move |model: &mut dyn longstep_llm::ChatModel| hosted.think(model))
+            let held = held.clone();
+            Box::new(move |model: &mut dyn longstep_llm::ChatModel| held.think(model))
         };
         let facts = models.facts().clone();
-        let begun = hosted.change(|session| {
+        let begun = held.change(|session| {
             if *session.model() != facts {
                 session.set_model(facts);
             }
@@ -125,10 +125,10 @@ impl Hub {
         let submitted = begun.and_then(|()| {
             models.submit(job).inspect_err(|_| {
                 // Nobody will answer: the session is as before.
-                let _ = hosted.change(|session| Ok(session.cancel()?));
+                let _ = held.change(|session| Ok(session.cancel()?));
             })
         });
-        submitted.inspect_err(|_| hosted.end_thinking())
+        submitted.inspect_err(|_| held.end_thinking())
     }
 
     /// Cancels what a session does: the work of a model, feedback, or the instruction.
@@ -137,14 +137,14 @@ impl Hub {
     ///
     /// There is nothing to cancel.
     pub fn cancel(&self, id: &SessionId) -> Result<Arc<Snapshot>, Problem> {
-        let hosted = self.hosted(id)?;
-        if hosted.is_thinking() {
+        let held = self.held(id)?;
+        if held.is_thinking() {
             // The thread of the model cancels the session.
-            hosted.stop_thinking();
+            held.stop_thinking();
         } else {
-            hosted.change(|session| Ok(session.cancel()?))?;
+            held.change(|session| Ok(session.cancel()?))?;
         }
-        Ok(hosted.snapshot())
+        Ok(held.snapshot())
     }
 
     /// Accepts the plan with this hash: the next instruction begins in its final world. Nothing moves for that.
@@ -153,8 +153,8 @@ impl Hub {
     ///
     /// Another plan, or none, waits for a decision.
     pub fn accept(&self, id: &SessionId, plan: &str, by: &str) -> Result<Arc<Snapshot>, Problem> {
-        let hosted = self.hosted(id)?;
-        let accepted = hosted.change(|session| {
+        let held = self.held(id)?;
+        let accepted = held.change(|session| {
             let shown = session.proposal().map(proposal_hash);
             if shown.as_deref() != Some(plan) {
                 return Err(Problem::conflict(match shown {
@@ -173,7 +173,7 @@ impl Hub {
             Ok(session.accept()?)
         });
         match accepted {
-            Ok(()) => Ok(hosted.snapshot()),
+            Ok(()) => Ok(held.snapshot()),
             Err(problem) => {
                 self.audit.refused(by, id, plan, &problem.message)?;
                 Err(problem)
@@ -225,8 +225,8 @@ impl Hub {
         id: &SessionId,
         change: impl FnOnce(&mut Session) -> Result<(), Problem>,
     ) -> Result<Arc<Snapshot>, Problem> {
-        let hosted = self.hosted(id)?;
-        hosted.change(change)?;
-        Ok(hosted.snapshot())
+        let held = self.held(id)?;
+        held.change(change)?;
+        Ok(held.snapshot())
     }
 }

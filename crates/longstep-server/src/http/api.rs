@@ -305,13 +305,13 @@ pub(crate) async fn plan(State(shared): State<Shared>, Asked(own): Asked<Instruc
     Ok(Reply(planning.answer().await?).into_response())
 }
 
-pub(crate) async fn runs(State(shared): State<Shared>) -> Response {
-    let runs = shared.hub.runs();
+pub(crate) async fn runs(State(shared): State<Shared>) -> Result {
+    let runs = blocking(shared, |hub| Ok(hub.runs())).await?;
     let runs: Vec<Value> = runs
         .iter()
         .map(|run| json!({"id": run.record.id, "session": run.record.session, "state": run.state}))
         .collect();
-    Reply(json!({"runs": runs})).into_response()
+    Ok(Reply(json!({"runs": runs})).into_response())
 }
 
 pub(crate) async fn start(
@@ -326,7 +326,8 @@ pub(crate) async fn start(
 }
 
 pub(crate) async fn one_run(State(shared): State<Shared>, Path(id): Path<String>) -> Result {
-    Ok(run(&*shared.hub.run(&run_id(&id)?)?))
+    let id = run_id(&id)?;
+    Ok(run(&*blocking(shared, move |hub| hub.run(&id)).await?))
 }
 
 pub(crate) async fn decide(

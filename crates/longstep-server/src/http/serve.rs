@@ -92,8 +92,9 @@ pub fn serve(
         Ok::<(), io::Error>(())
     })?;
     // Whoever ends the server may not be able to stop a robot otherwise.
-    let _ = hub.stop_all("the end of the server");
+    hub.end("the end of the server");
     runtime.shutdown_timeout(GRACE);
+    hub.give_back(GRACE);
     Ok(())
 }
 

@@ -1,13 +1,16 @@
 //! A run in a server: what is shown of it, its control, and the answers of people.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use longstep_robot::RunControl;
 
-use super::view::{QuestionView, RunRecord, RunState, RunView};
+use super::view::{EndView, QuestionView, RunRecord, RunState, RunView};
 use crate::feed::{Feed, Happening};
+use crate::hosted::Held;
 use crate::problem::Problem;
+use crate::store::{LogName, OwnedLog, StoreError};
 
 /// The longest wait between two looks at the control of a run.
 const LOOK: Duration = Duration::from_millis(20);
@@ -22,10 +25,31 @@ struct Pauses {
     by_urgent_run: bool,
 }
 
+/// The rights that a run needs until it ends.
+#[derive(Clone)]
+pub(crate) struct Rights {
+    /// To add to its log.
+    pub(crate) log: Arc<dyn OwnedLog>,
+    /// To move its robot.
+    pub(crate) robot: Arc<dyn OwnedLog>,
+    /// To change its session.
+    pub(crate) session: Held,
+}
+
 /// A run that is in memory.
 pub(crate) struct HostedRun {
     record: RunRecord,
     feed: Arc<Feed>,
+    /// The time since which it is in memory.
+    since: Instant,
+    /// The epoch of its log, when this server owned it or read it.
+    epoch: u64,
+    /// True for a run that another server carries out.
+    is_elsewhere: bool,
+    /// None before and after the run.
+    rights: Mutex<Option<Rights>>,
+    /// True if a right was lost during the run: its log may go on elsewhere.
+    is_lost: AtomicBool,
     control: RunControl,
     pauses: Mutex<Pauses>,
     view: RwLock<Arc<RunView>>,
@@ -35,16 +59,87 @@ pub(crate) struct HostedRun {
 }
 
 impl HostedRun {
-    pub(crate) fn new(record: RunRecord, feed: Arc<Feed>, state: RunState) -> Self {
+    /// Takes a run that this server is to carry out.
+    pub(crate) fn begin(record: RunRecord, feed: Arc<Feed>, rights: Rights) -> Self {
+        let view = RunView::new(record.clone(), RunState::Queued);
         Self {
-            view: RwLock::new(Arc::new(RunView::new(record.clone(), state))),
+            epoch: rights.log.epoch(),
+            rights: Mutex::new(Some(rights)),
+            ..Self::new(record, feed, view)
+        }
+    }
+
+    /// Takes a run that has ended, or that another server carries out.
+    pub(crate) fn shown(record: RunRecord, feed: Arc<Feed>, epoch: u64, state: RunState, end: Option<EndView>) -> Self {
+        let view = RunView {
+            end,
+            ..RunView::new(record.clone(), state)
+        };
+        Self {
+            epoch,
+            is_elsewhere: !state.is_ended(),
+            ..Self::new(record, feed, view)
+        }
+    }
+
+    fn new(record: RunRecord, feed: Arc<Feed>, view: RunView) -> Self {
+        Self {
+            view: RwLock::new(Arc::new(view)),
             record,
             feed,
+            since: Instant::now(),
+            epoch: 0,
+            is_elsewhere: false,
+            rights: Mutex::default(),
+            is_lost: AtomicBool::new(false),
             control: RunControl::default(),
             pauses: Mutex::default(),
             answer: Mutex::default(),
             answered: Condvar::new(),
         }
+    }
+
+    /// Returns the time since which it is in memory.
+    pub(crate) fn since(&self) -> Instant {
+        self.since
+    }
+
+    /// Returns the epoch of its log.
+    pub(crate) fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
+    /// Returns true if another server carries it out.
+    pub(crate) fn is_elsewhere(&self) -> bool {
+        self.is_elsewhere
+    }
+
+    /// Returns the rights of the run.
+    ///
+    /// # Errors
+    ///
+    /// It has ended.
+    pub(crate) fn rights(&self) -> Result<Rights, StoreError> {
+        let rights = self.rights.lock().unwrap_or_else(PoisonError::into_inner);
+        let lost = || StoreError::Lost(LogName::Run(self.record.id.clone()).words());
+        rights.clone().ok_or_else(lost)
+    }
+
+    /// Gives the rights of the run back.
+    pub(crate) fn give_back(&self) {
+        self.is_lost();
+        let rights = self.rights.lock().unwrap_or_else(PoisonError::into_inner).take();
+        drop(rights);
+    }
+
+    /// Returns true if this server has lost a right that the run needs. Never waits for the store.
+    pub(crate) fn is_lost(&self) -> bool {
+        let rights = self.rights.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_lost = |rights: &Rights| rights.log.is_lost() || rights.robot.is_lost() || rights.session.is_lost();
+        if rights.as_ref().is_some_and(is_lost) {
+            self.is_lost.store(true, Ordering::SeqCst);
+        }
+        self.is_lost.load(Ordering::SeqCst)
     }
 
     pub(crate) fn record(&self) -> &RunRecord {

@@ -7,7 +7,7 @@ mod view;
 mod watch;
 mod work;
 
-pub(crate) use hosted::HostedRun;
+pub(crate) use hosted::{HostedRun, Rights};
 pub(crate) use queue::Queues;
 pub use robots::{Body, OpenRobot, RobotEntry};
 pub use view::{EndView, QuestionView, RunRecord, RunState, RunView};

@@ -10,6 +10,7 @@ use super::hosted::HostedRun;
 use super::view::RunState;
 use super::work::{Begun, Task};
 use crate::problem::{Problem, ProblemKind};
+use crate::store::{LogName, OwnedLog, StoreError};
 
 /// The most runs that wait for one robot.
 const WAITING: usize = 16;
@@ -26,6 +27,8 @@ pub(crate) struct Queues {
 /// The runs of one robot.
 #[derive(Default)]
 struct Queue {
+    /// The right to move the robot, until it has none of the runs any more.
+    robot: Option<Arc<dyn OwnedLog>>,
     waiting: VecDeque<Task>,
     /// The run that the robot carries out, with those that it interrupted below it.
     under_way: Vec<Arc<HostedRun>>,
@@ -36,6 +39,30 @@ impl Queues {
         self.bodies.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Returns true if no robot has a run.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.bodies().is_empty()
+    }
+
+    /// Returns the right to move a robot: that of its queue, or a new one.
+    ///
+    /// # Errors
+    ///
+    /// Another server moves the robot.
+    pub(crate) fn right(
+        &self,
+        body: &BodyKey,
+        own: impl FnOnce() -> Result<Box<dyn OwnedLog>, StoreError>,
+    ) -> Result<Arc<dyn OwnedLog>, StoreError> {
+        // A queue that ends gives its right back under this lock.
+        let bodies = self.bodies();
+        match bodies.get(body).and_then(|queue| queue.robot.as_ref()) {
+            Some(robot) if robot.is_lost() => Err(StoreError::Lost(LogName::Robot(body.clone()).words())),
+            Some(robot) => Ok(Arc::clone(robot)),
+            None => Ok(own()?.into()),
+        }
+    }
+
     /// Adds a run. An urgent one is the next, and pauses the run under way.
     ///
     /// # Errors
@@ -44,7 +71,9 @@ impl Queues {
     pub(crate) fn add(&self, body: &BodyKey, task: Task) -> Result<(), Problem> {
         let mut bodies = self.bodies();
         let is_idle = !bodies.contains_key(body);
+        let rights = task.run().rights()?;
         let queue = bodies.entry(body.clone()).or_default();
+        queue.robot = Some(rights.robot);
         if queue.waiting.len() >= WAITING {
             return Err(Problem::new(
                 ProblemKind::Busy,
@@ -90,7 +119,7 @@ impl Queues {
             }
             None => {
                 if queue.under_way.is_empty() {
-                    bodies.remove(body);
+                    drop(bodies.remove(body));
                 }
                 None
             }

@@ -7,12 +7,11 @@ use longstep_robot::{Feedback, RobotError, Watcher};
 
 use super::hosted::HostedRun;
 use super::view::{QuestionView, RunState};
-use crate::store::{Durability, LogName, Store};
+use crate::store::Durability;
 
 /// The watcher of a run: its log in the store, its view, and the people who answer.
 pub(crate) struct Watching<'r> {
     pub(crate) run: &'r HostedRun,
-    pub(crate) store: &'r dyn Store,
     pub(crate) board: Board,
     /// True until the plan that was approved is proposed.
     pub(crate) is_approved: bool,
@@ -22,10 +21,9 @@ pub(crate) struct Watching<'r> {
 }
 
 impl<'r> Watching<'r> {
-    pub(crate) fn new(run: &'r HostedRun, store: &'r dyn Store, execution: &Execution, is_approved: bool) -> Self {
+    pub(crate) fn new(run: &'r HostedRun, execution: &Execution, is_approved: bool) -> Self {
         let watching = Self {
             run,
-            store,
             board: Board::of(execution),
             is_approved,
             questions: 0,
@@ -81,8 +79,8 @@ impl Watcher for Watching<'_> {
             lines.push_str(&serde_json::to_string(event).map_err(|error| error.to_string())?);
             lines.push('\n');
         }
-        let log = LogName::Run(self.run.record().id.clone());
-        let kept = self.store.append(&log, &lines, Durability::Now);
+        let rights = self.run.rights();
+        let kept = rights.and_then(|rights| rights.log.append(&lines, Durability::Now));
         kept.map_err(|error| error.to_string())?;
         let mut notices = Vec::new();
         for event in events {

@@ -12,16 +12,14 @@ use super::robots::RobotEntry;
 use super::view::{EndView, RunState};
 use super::watch::Watching;
 use crate::audit::{Audit, Deed};
-use crate::hosted::{EndedRun, Hosted};
+use crate::hosted::EndedRun;
 use crate::problem::Problem;
-use crate::store::{Durability, LogName, Store};
+use crate::store::Durability;
 
 /// A run that waits for its robot.
 pub(crate) struct Task {
     pub(crate) run: Arc<HostedRun>,
     pub(crate) entry: RobotEntry,
-    pub(crate) session: Arc<Hosted>,
-    pub(crate) store: Arc<dyn Store>,
     pub(crate) audit: Audit,
     pub(crate) start: Start,
 }
@@ -60,10 +58,6 @@ impl Task {
         }
     }
 
-    fn log(&self) -> LogName {
-        LogName::Run(self.run.record().id.clone())
-    }
-
     /// Opens the robot.
     pub(super) fn open(&self) -> Result<Opened, Problem> {
         self.run.update(|view| view.state = RunState::Opening);
@@ -91,16 +85,14 @@ impl Task {
                 let execution =
                     Execution::new(plan, aim, settings).map_err(|error| Problem::conflict(error.to_string()))?;
                 let header = RunHeader::new(&self.entry.reference, domain).with_dry_run(is_dry);
-                self.store.own(&self.log())?;
                 let line = serde_json::to_string(&header).unwrap_or_default() + "\n";
-                self.store.append(&self.log(), &line, Durability::Now)?;
+                self.run.rights()?.log.append(&line, Durability::Now)?;
                 execution
             }
             Start::Log { events, world } => {
                 if is_dry {
                     return Err(Problem::conflict("an interrupted run goes on for real only"));
                 }
-                self.store.own(&self.log())?;
                 let resumed = Execution::resume(world.domain(), events, Resumed::default());
                 let execution = resumed.map_err(|error| Problem::conflict(error.to_string()))?;
                 check_resumed(&execution, robot)?;
@@ -116,7 +108,7 @@ impl Task {
     }
 
     pub(super) fn watcher(&self, begun: &Begun) -> Watching<'_> {
-        Watching::new(&self.run, self.store.as_ref(), &begun.execution, begun.is_approved)
+        Watching::new(&self.run, &begun.execution, begun.is_approved)
     }
 
     /// Ends a run that did not begin: nothing has moved.
@@ -132,11 +124,13 @@ impl Task {
     pub(super) fn end(&self, begun: &Begun, stop: Option<&Stop>) {
         let execution = &begun.execution;
         if !begun.is_dry {
-            let ended = self.session.run_ended(EndedRun {
+            let ended = EndedRun {
                 number: self.run.record().number,
                 is_reached: stop.is_none(),
                 statements: execution.statements(),
-            });
+            };
+            let rights = self.run.rights().map_err(Problem::from);
+            let ended = rights.and_then(|rights| rights.session.run_ended(ended));
             if let Err(problem) = ended {
                 self.run.update(|view| view.notices.push(problem.message));
             }
@@ -163,7 +157,8 @@ impl Task {
             end: if end.done { "done".to_owned() } else { end.text.clone() },
         };
         let noted = self.audit.add(&record.by, deed);
-        self.store.release(&self.log());
+        // Before the end is shown: another server may go on with the session then.
+        self.run.give_back();
         self.run.update(|view| {
             view.state = if end.done { RunState::Done } else { RunState::Stopped };
             view.question = None;

@@ -99,17 +99,22 @@ pub fn store(folder: &TempDir) -> Arc<dyn Store> {
 pub fn hub(folder: &TempDir, robots: Vec<RobotEntry>) -> Arc<Hub> {
     let began = Instant::now();
     loop {
-        let open = || Ok(Box::new(Scripted(TABLE.to_vec())) as Box<dyn ChatModel>);
-        let models = Models::open(Arc::new(open), 1, 8).unwrap();
-        let scenes = vec![Scene::new("desk", "household", DESK, "Put the pen on the shelf")];
-        let domains = Domains::new(&[], scenes).unwrap();
-        let configuration = Configuration::new(store(folder), domains);
-        match Hub::open(configuration.with_models(models).with_robots(robots.clone())) {
+        match hub_at(store(folder), robots.clone()) {
             Ok(hub) => return hub,
             Err(problem) => assert!(began.elapsed() < Duration::from_secs(10), "{problem}"),
         }
         std::thread::sleep(Duration::from_millis(5));
     }
+}
+
+/// Opens a hub at a store with the scripted model and these robots.
+pub fn hub_at(store: Arc<dyn Store>, robots: Vec<RobotEntry>) -> Result<Arc<Hub>, Problem> {
+    let open = || Ok(Box::new(Scripted(TABLE.to_vec())) as Box<dyn ChatModel>);
+    let models = Models::open(Arc::new(open), 1, 8).unwrap();
+    let scenes = vec![Scene::new("desk", "household", DESK, "Put the pen on the shelf")];
+    let domains = Domains::new(&[], scenes).unwrap();
+    let configuration = Configuration::new(store, domains);
+    Hub::open(configuration.with_models(models).with_robots(robots))
 }
 
 /// Waits until a run is in a state for which `is_there` is true.
