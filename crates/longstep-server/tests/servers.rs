@@ -237,9 +237,9 @@ fn a_run_whose_lease_is_lost_stops_its_robot() {
 fn the_work_of_a_dead_server_is_taken_over_when_its_leases_have_ended() {
     let database = Database::new();
     let (one, other) = (server(&database), server(&database));
+    let (moving, run) = started(&one, "slow");
     let (thinking, _) = accepted(&one);
     one.say(&thinking, &Said::Instruction("wait for me".to_owned())).unwrap().leave();
-    let (moving, run) = started(&one, "slow");
     let began = Instant::now();
     let_owners_die(&database);
     assert_eq!(other.session(&thinking).unwrap().view.state, "thinking");

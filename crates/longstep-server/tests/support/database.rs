@@ -1,5 +1,7 @@
 //! A database of its own for a test, in the server that LONGSTEP_POSTGRES names.
 
+#![allow(dead_code)]
+
 use std::future::Future;
 
 use sqlx::postgres::{PgConnectOptions, PgConnection};
