@@ -12,7 +12,9 @@ use longstep_files::{read_text, session_directory};
 use longstep_llm::load_domain;
 use longstep_robot::{OpenOptions, RobotReference};
 use longstep_server::http::{Access, ServeOptions, Token, serve};
-use longstep_server::{Configuration, Domains, FileStore, Hub, Models, Problem, RobotEntry, Scene};
+use longstep_server::{
+    Configuration, Domains, FileStore, Hub, Models, PostgresOptions, PostgresStore, Problem, RobotEntry, Scene, Store,
+};
 
 use crate::arguments::{ExecutionArguments, ServeArguments, domain_or_default};
 use crate::ask;
@@ -25,10 +27,15 @@ use crate::signals;
 pub(crate) fn run(arguments: &ServeArguments) -> Result<u8> {
     let listener = listener(arguments)?;
     let address = listener.local_addr()?;
-    let store = store()?;
+    // The token is in a file, whatever the rest is in.
+    let files = store()?;
     let token_file = match &arguments.token_file {
         Some(file) => file.clone(),
-        None => store.folder().join("token"),
+        None => files.folder().join("token"),
+    };
+    let store = match &arguments.store {
+        Some(address) => database(address)?,
+        None => files,
     };
     let token = Token::of_file(&token_file)
         .map_err(|error| Failure::unreadable(error.to_string()).hint("name another file with `--token-file FILE`"))?;
@@ -76,7 +83,17 @@ pub(crate) fn store() -> Result<Arc<FileStore>> {
     Ok(Arc::new(store.map_err(|error| failure(error.into()))?))
 }
 
-fn configuration(arguments: &ServeArguments, store: Arc<FileStore>) -> Result<Configuration> {
+/// Opens the database that servers share.
+fn database(address: &str) -> Result<Arc<dyn Store>> {
+    let opened = PostgresStore::open(address, PostgresOptions::default());
+    let store = opened.map_err(|error| {
+        Failure::new(error.to_string(), MODEL)
+            .hint("name a PostgreSQL database that this machine reaches; see docs/guide/server.md")
+    })?;
+    Ok(Arc::new(store))
+}
+
+fn configuration(arguments: &ServeArguments, store: Arc<dyn Store>) -> Result<Configuration> {
     let named = domain_or_default(arguments.domain.as_ref());
     let domain = load_domain(named)?;
     let folders: Vec<String> = arguments.domain.iter().cloned().collect();

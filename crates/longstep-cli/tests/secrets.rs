@@ -203,3 +203,20 @@ fn the_log_of_a_run_has_no_password_and_the_robot_is_named_again() {
     let resumed = bench.check(&["run", "--resume", &log, "--live", "--robot", &robot]);
     assert!(resumed.contains("Resuming"), "{resumed}");
 }
+
+#[test]
+fn the_password_of_a_database_is_in_no_message_and_in_no_file() {
+    let bench = Bench::new();
+    for place in [
+        "127.0.0.1:1/x",
+        "127.0.0.1:port/x",
+        "no host/x",
+        "127.0.0.1/x?sslmode=always",
+    ] {
+        let address = format!("postgres://me:{PASSWORD}@{place}");
+        let serve = ["serve", "--no-model", "--listen", "127.0.0.1:0", "--store", &address];
+        let refused = bench.check(&serve);
+        assert!(refused.contains("postgres://[removed]@"), "{refused}");
+    }
+    assert_eq!(bench.with_password(bench.0.path()), Vec::<PathBuf>::new());
+}

@@ -25,14 +25,20 @@ use support::{hub_at, simulated};
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let named: HashMap<&str, &str> = words.chunks(2).map(|pair| (pair[0].as_str(), pair[1].as_str())).collect();
+    let named: HashMap<&str, &str> = words
+        .chunks(2)
+        .map(|pair| (pair[0].as_str(), pair[1].as_str()))
+        .collect();
     let value = |name| *named.get(name).unwrap_or_else(|| panic!("{name} is missing"));
     let lease = Duration::from_millis(value("--lease").parse().unwrap());
     let options = PostgresOptions::default().with_lease(lease);
     let store = PostgresStore::open(value("--store"), options).unwrap_or_else(|error| panic!("{error}"));
     // Each step takes long enough that servers end during it.
     let robot = |(name, options): (&str, &str)| simulated(name, options.parse().unwrap(), Body::PerSession);
-    let robots = [("sim", "ticks=2,pace=40"), ("quick", "")].into_iter().map(robot).collect();
+    let robots = [("sim", "ticks=2,pace=40"), ("quick", "")]
+        .into_iter()
+        .map(robot)
+        .collect();
     let hub = hub_at(Arc::new(store), robots).unwrap();
     let listener = TcpListener::bind(format!("127.0.0.1:{}", value("--port"))).unwrap();
     let address = listener.local_addr().unwrap();
@@ -44,5 +50,11 @@ fn main() {
         drop(end);
     });
     let ended = async { drop(ended.await) };
-    serve(listener, hub, ServeOptions::new(Access::new(token, address, &[])), ended).unwrap();
+    serve(
+        listener,
+        hub,
+        ServeOptions::new(Access::new(token, address, &[])),
+        ended,
+    )
+    .unwrap();
 }

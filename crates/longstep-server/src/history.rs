@@ -86,16 +86,9 @@ impl Hub {
     /// latest ones that have ended, at most 500 from the store. If the store fails, those of this server.
     pub fn runs(&self) -> Vec<Arc<RunView>> {
         let mut runs: BTreeMap<RunId, Arc<RunView>> = BTreeMap::new();
-        // Nobody else adds to files: they are read once.
-        let is_due = self.store.is_shared() || self.are_runs_read.set(()).is_ok();
-        let stored = if is_due { self.store.runs(LISTED).unwrap_or_default() } else { Vec::new() };
-        for stored in &stored {
-            let Some(run) = self.stored(stored) else { continue };
+        for stored in self.listed() {
+            let Some(run) = self.stored(&stored) else { continue };
             let id = run.record().id.clone();
-            if !self.store.is_shared() {
-                self.hosted_runs().entry(id).or_insert(run);
-                continue;
-            }
             let own = self.hosted_runs().get(&id).cloned();
             let own = own.filter(|own| !own.view().state.is_ended() || is_current(own, Some(stored.state.epoch)));
             runs.insert(id, own.unwrap_or(run).view());
@@ -104,6 +97,27 @@ impl Hub {
             runs.entry(id.clone()).or_insert_with(|| run.view());
         }
         runs.into_values().collect()
+    }
+
+    /// Returns the latest runs of a store that servers share. Nobody else adds to another one: its runs are read once, and
+    /// are in memory from then on.
+    fn listed(&self) -> Vec<StoredRun> {
+        let is_read = self.are_runs_read.get().is_some();
+        let listed = if is_read {
+            Ok(Vec::new())
+        } else {
+            self.store.runs(LISTED)
+        };
+        let Ok(listed) = listed else { return Vec::new() };
+        if self.store.is_shared() {
+            return listed;
+        }
+        for run in listed.iter().filter_map(|stored| self.stored(stored)) {
+            self.hosted_runs().entry(run.record().id.clone()).or_insert(run);
+        }
+        // Of two readers at once, either has read all.
+        let _ = self.are_runs_read.set(());
+        Vec::new()
     }
 
     /// Returns an error while a robot of this server carries out a plan of a session. Another server that does so owns the

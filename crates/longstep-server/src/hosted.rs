@@ -375,7 +375,6 @@ impl Hosted {
         self.stop.set(true);
     }
 
-
     fn requests(&self, model: &mut dyn ChatModel) -> Result<(), Problem> {
         loop {
             if self.stop.is_set() {

@@ -258,7 +258,11 @@ impl Hub {
             };
             resident.remove(&id);
         }
-        Arc::clone(resident.entry(hosted.id().clone()).or_insert_with(|| Arc::clone(hosted)))
+        Arc::clone(
+            resident
+                .entry(hosted.id().clone())
+                .or_insert_with(|| Arc::clone(hosted)),
+        )
     }
 
     /// Returns a session from memory, or from its log.

@@ -105,7 +105,9 @@ impl Hub {
     /// Takes the rights that a run needs.
     fn rights(&self, run: &RunId, entry: &RobotEntry, session: Held) -> Result<Rights, Problem> {
         let body = Self::body(entry, session.id());
-        let robot = self.queues.right(&body, || self.store.own(&LogName::Robot(body.clone())))?;
+        let robot = self
+            .queues
+            .right(&body, || self.store.own(&LogName::Robot(body.clone())))?;
         let log = self.store.own(&LogName::Run(run.clone()))?.into();
         Ok(Rights { log, robot, session })
     }

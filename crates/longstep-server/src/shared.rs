@@ -68,7 +68,10 @@ impl Hub {
                 continue;
             };
             let id = &run.record().id;
-            let is_here = self.hosted_runs().get(id).is_some_and(|own| !own.view().state.is_ended());
+            let is_here = self
+                .hosted_runs()
+                .get(id)
+                .is_some_and(|own| !own.view().state.is_ended());
             if !is_here {
                 self.stop_elsewhere(id, run.epoch())?;
                 count += 1;
@@ -97,7 +100,10 @@ impl Hub {
 }
 
 fn stop_of(run: &RunId, epoch: u64) -> RecordKey {
-    RecordKey::Stop { run: run.clone(), epoch }
+    RecordKey::Stop {
+        run: run.clone(),
+        epoch,
+    }
 }
 
 /// Does work again and again until the hub ends.

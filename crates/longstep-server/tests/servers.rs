@@ -113,10 +113,19 @@ fn any_server_serves_any_session() {
     for hub in &servers {
         let view = &hub.session(&id).unwrap().view;
         assert!(!view.accepted[0].pending && view.proposal.is_some());
-        assert_eq!(view.environment.object_states["<pen>"].as_slice(), ["on_something(<shelf>)"]);
+        assert_eq!(
+            view.environment.object_states["<pen>"].as_slice(),
+            ["on_something(<shelf>)"]
+        );
         assert_eq!(hub.sessions().unwrap(), std::slice::from_ref(&id));
         let deeds = hub.audit().last(100).unwrap();
-        assert_eq!(deeds.iter().filter(|entry| matches!(entry.deed, Deed::Ended { .. })).count(), 1);
+        assert_eq!(
+            deeds
+                .iter()
+                .filter(|entry| matches!(entry.deed, Deed::Ended { .. }))
+                .count(),
+            1
+        );
     }
 }
 
@@ -126,7 +135,9 @@ fn a_session_on_which_a_server_works_is_shown_and_not_changed_by_others() {
     let database = Database::new();
     let (one, other) = (server(&database), server(&database));
     let (id, plan) = accepted(&one);
-    one.say(&id, &Said::Instruction("wait for me".to_owned())).unwrap().leave();
+    one.say(&id, &Said::Instruction("wait for me".to_owned()))
+        .unwrap()
+        .leave();
     let view = &other.session(&id).unwrap().view;
     assert_eq!((view.state, view.accepted.len()), ("thinking", 1));
     assert!(is_busy(said(&other, &id, "Put the cup on the shelf")) && is_busy(other.cancel(&id)));
@@ -224,7 +235,10 @@ fn a_run_whose_lease_is_lost_stops_its_robot() {
     assert!(time < LEASE * 2, "{time:?}");
     assert_eq!(one.run(&run).unwrap().state, RunState::Interrupted);
     // The session goes on with both, and the run can be resumed.
-    assert_eq!(said(&other, &id, "Put the cup on the shelf").unwrap().view.state, "plan");
+    assert_eq!(
+        said(&other, &id, "Put the cup on the shelf").unwrap().view.state,
+        "plan"
+    );
     assert_eq!(one.session(&id).unwrap().view.state, "plan");
     other.resume(&run, "ada").unwrap();
     eventually(|| one.run(&run).unwrap().state != RunState::Interrupted);
@@ -239,7 +253,9 @@ fn the_work_of_a_dead_server_is_taken_over_when_its_leases_have_ended() {
     let (one, other) = (server(&database), server(&database));
     let (moving, run) = started(&one, "slow");
     let (thinking, _) = accepted(&one);
-    one.say(&thinking, &Said::Instruction("wait for me".to_owned())).unwrap().leave();
+    one.say(&thinking, &Said::Instruction("wait for me".to_owned()))
+        .unwrap()
+        .leave();
     let began = Instant::now();
     let_owners_die(&database);
     assert_eq!(other.session(&thinking).unwrap().view.state, "thinking");
@@ -248,8 +264,15 @@ fn the_work_of_a_dead_server_is_taken_over_when_its_leases_have_ended() {
     eventually(|| other.run(&run).unwrap().state == RunState::Interrupted);
     // An instruction for which nobody works any more is cancelled, and the person can say it again.
     eventually(|| other.session(&thinking).unwrap().view.state == "ready");
-    assert!(began.elapsed() > LEASE - Duration::from_millis(50), "{:?}", began.elapsed());
+    assert!(
+        began.elapsed() > LEASE - Duration::from_millis(50),
+        "{:?}",
+        began.elapsed()
+    );
     assert!(began.elapsed() < LEASE * 3, "{:?}", began.elapsed());
-    assert_eq!(said(&other, &thinking, "Put the cup on the shelf").unwrap().view.state, "plan");
+    assert_eq!(
+        said(&other, &thinking, "Put the cup on the shelf").unwrap().view.state,
+        "plan"
+    );
     other.undo(&moving).unwrap();
 }

@@ -21,6 +21,10 @@ pub(crate) struct ServeArguments {
     /// File with the token; it is made if it does not exist [default: a file beside the sessions]
     #[arg(long, value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
+    /// Database that several servers share, in place of files: postgres://user@host/database; the password may be in
+    /// `PGPASSWORD` or ~/.pgpass
+    #[arg(long, value_name = "ADDRESS", env = "LONGSTEP_STORE", hide_env_values = true)]
+    pub(crate) store: Option<String>,
     /// Environment file that a session can begin in, by its name without `.json` (repeatable); demo scenes are shipped
     #[arg(long, value_name = "ENV.json")]
     pub(crate) env: Vec<PathBuf>,

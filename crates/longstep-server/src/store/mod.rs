@@ -139,7 +139,7 @@ pub trait OwnedLog: Send + Sync {
     /// Returns the number of times that the log has been owned, with this one: the fencing token of each addition.
     fn epoch(&self) -> u64;
 
-    /// Adds whole lines.
+    /// Adds whole lines of text, without the character zero.
     ///
     /// # Errors
     ///

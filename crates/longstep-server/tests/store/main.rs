@@ -30,7 +30,10 @@ type Rule = fn(&Two);
 const RULES: [(&str, Rule); 9] = [
     ("a log has one owner at a time", one_owner),
     ("a log has whole lines in order", lines_in_order),
-    ("a log that does not exist is not made by looking", looking_makes_nothing),
+    (
+        "a log that does not exist is not made by looking",
+        looking_makes_nothing,
+    ),
     ("the end of a log is read without the rest", tail),
     ("the time of a change grows", changed_at),
     ("sessions are listed by name", sessions),
@@ -108,7 +111,12 @@ fn looking_makes_nothing(two: &Two) {
         assert!(two.one.changed_at(&log).unwrap().is_none() && two.one.tail(&log, 3).unwrap().is_empty());
     }
     assert!(two.one.sessions().unwrap().is_empty() && two.one.runs(10).unwrap().is_empty());
-    assert!(two.one.record(&RecordKey::Run(RunId::parse("none").unwrap())).unwrap().is_none());
+    assert!(
+        two.one
+            .record(&RecordKey::Run(RunId::parse("none").unwrap()))
+            .unwrap()
+            .is_none()
+    );
 }
 
 fn tail(two: &Two) {
@@ -153,7 +161,11 @@ fn changed_at(two: &Two) {
 
 fn sessions(two: &Two) {
     for name in ["b", "B", "a-1", "_"] {
-        two.one.own(&session(name)).unwrap().append("x\n", Durability::Now).unwrap();
+        two.one
+            .own(&session(name))
+            .unwrap()
+            .append("x\n", Durability::Now)
+            .unwrap();
     }
     let names: Vec<String> = two.other.sessions().unwrap().iter().map(ToString::to_string).collect();
     assert_eq!(names, ["B", "_", "a-1", "b"]);
@@ -164,7 +176,8 @@ fn runs(two: &Two) {
         thread::sleep(std::time::Duration::from_millis(20));
         let own = two.one.own(&run(name)).unwrap();
         own.append("header\n", Durability::Now).unwrap();
-        own.append(&format!("begin {name}\nend {name}\n"), Durability::Now).unwrap();
+        own.append(&format!("begin {name}\nend {name}\n"), Durability::Now)
+            .unwrap();
         // `d` is a run of the command line.
         if name != "d" {
             let key = RecordKey::Run(RunId::parse(name).unwrap());
@@ -177,7 +190,10 @@ fn runs(two: &Two) {
         runs.map(|run| (run.record, run.last, run.state.is_owned)).collect()
     };
     let expected = |name: &str, is_owned| (format!("record {name}"), Some(format!("end {name}")), is_owned);
-    assert_eq!(listed(9), [expected("a", true), expected("c", false), expected("b", false)]);
+    assert_eq!(
+        listed(9),
+        [expected("a", true), expected("c", false), expected("b", false)]
+    );
     assert_eq!(listed(1), [expected("a", true)]);
     drop(own);
     assert_eq!(listed(1).len(), 1);
@@ -206,7 +222,11 @@ fn record_once(two: &Two) {
     for key in [
         RecordKey::Approval(id),
         RecordKey::Run(run.clone()),
-        RecordKey::Attempt { session, number: 0, attempt: 1 },
+        RecordKey::Attempt {
+            session,
+            number: 0,
+            attempt: 1,
+        },
         RecordKey::Stop { run, epoch: 1 },
     ] {
         assert!(two.one.record(&key).unwrap().is_none());
@@ -219,7 +239,10 @@ fn limit(two: &Two) {
     let own = two.one.own(&log).unwrap();
     own.append("a\n", Durability::Now).unwrap();
     let long = "x".repeat(256 << 20);
-    assert!(matches!(own.append(&long, Durability::Now), Err(StoreError::TooLarge(_))));
+    assert!(matches!(
+        own.append(&long, Durability::Now),
+        Err(StoreError::TooLarge(_))
+    ));
     own.append("b\n", Durability::Now).unwrap();
     assert_eq!(two.other.read(&log).unwrap().unwrap(), b"a\nb\n");
 }
@@ -267,4 +290,3 @@ fn the_audit_log_of_files_has_one_server() {
     drop(own);
     open().own(&LogName::Audit).unwrap();
 }
-

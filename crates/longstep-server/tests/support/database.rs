@@ -49,14 +49,20 @@ impl Database {
 
     /// Ends all connections and lets no new one in.
     pub fn shut(&self) {
-        execute(&self.server, &format!("ALTER DATABASE {} ALLOW_CONNECTIONS false", self.name));
+        execute(
+            &self.server,
+            &format!("ALTER DATABASE {} ALLOW_CONNECTIONS false", self.name),
+        );
         let sql = "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = '";
         execute(&self.server, &format!("{sql}{}'", self.name));
     }
 
     /// Lets connections in again.
     pub fn open(&self) {
-        execute(&self.server, &format!("ALTER DATABASE {} ALLOW_CONNECTIONS true", self.name));
+        execute(
+            &self.server,
+            &format!("ALTER DATABASE {} ALLOW_CONNECTIONS true", self.name),
+        );
     }
 }
 

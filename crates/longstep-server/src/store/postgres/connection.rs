@@ -7,9 +7,9 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 use longstep_core::secret;
-use sqlx::{ConnectOptions, Connection as _};
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::postgres::{PgConnectOptions, PgPool, PgPoolOptions};
+use sqlx::{ConnectOptions, Connection as _};
 use tokio::runtime::{Builder, Runtime};
 
 use crate::store::StoreError;
@@ -63,7 +63,10 @@ impl Connection {
             let _inside = runtime.enter();
             let pool = PgPoolOptions::new().acquire_timeout(SLOWEST);
             let reserved = pool.clone().max_connections(1).connect_lazy_with(options.clone());
-            (pool.max_connections(CONNECTIONS).connect_lazy_with(options.clone()), reserved)
+            (
+                pool.max_connections(CONNECTIONS).connect_lazy_with(options.clone()),
+                reserved,
+            )
         };
         let connection = Self {
             runtime: Some(runtime),
@@ -78,7 +81,13 @@ impl Connection {
     /// Makes the schema what this program needs.
     fn migrate(&self, options: PgConnectOptions) -> Result<(), StoreError> {
         let migrations = MIGRATIONS.map(|(version, name, sql)| {
-            Migration::new(version, Cow::Borrowed(name), MigrationType::Simple, Cow::Borrowed(sql), false)
+            Migration::new(
+                version,
+                Cow::Borrowed(name),
+                MigrationType::Simple,
+                Cow::Borrowed(sql),
+                false,
+            )
         });
         let migrator = Migrator {
             migrations: Cow::Owned(migrations.to_vec()),

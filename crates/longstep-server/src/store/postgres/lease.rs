@@ -78,7 +78,8 @@ struct Right {
 
 impl Right {
     fn is_lost(&self) -> bool {
-        self.is_lost.load(Ordering::SeqCst) || Instant::now() >= *self.ends.lock().unwrap_or_else(PoisonError::into_inner)
+        self.is_lost.load(Ordering::SeqCst)
+            || Instant::now() >= *self.ends.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -174,7 +175,11 @@ async fn keep_renewed(leases: Weak<Leases>, time: Duration) {
         tokio::time::sleep(pause).await;
         let Some(leases) = leases.upgrade() else { return };
         let renewed = tokio::time::timeout(time / 3, leases.renew()).await;
-        pause = if matches!(renewed, Ok(Ok(()))) { time / 3 } else { time / 20 };
+        pause = if matches!(renewed, Ok(Ok(()))) {
+            time / 3
+        } else {
+            time / 20
+        };
     }
 }
 

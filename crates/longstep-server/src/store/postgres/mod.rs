@@ -183,7 +183,12 @@ impl Store for PostgresStore {
             let query = sqlx::query_as(TAIL).bind(kind).bind(id).bind(limit as i64);
             query.fetch_all(&pool).await
         })?;
-        let mut lines: Vec<String> = rows.iter().rev().flat_map(|(text,)| text.lines()).map(str::to_owned).collect();
+        let mut lines: Vec<String> = rows
+            .iter()
+            .rev()
+            .flat_map(|(text,)| text.lines())
+            .map(str::to_owned)
+            .collect();
         lines.drain(..lines.len().saturating_sub(limit));
         Ok(lines)
     }
