@@ -3,7 +3,7 @@
 //! `export "$(scripts/postgres.sh --parent $$)"; cargo test -p longstep-server --features postgres --test store --
 //! --include-ignored`
 
-#![allow(clippy::unwrap_used, missing_docs, unreachable_pub)]
+#![allow(clippy::panic, clippy::unwrap_used, missing_docs, unreachable_pub)]
 
 #[cfg(feature = "postgres")]
 #[path = "../support/database.rs"]
@@ -77,8 +77,8 @@ fn one_owner(two: &Two) {
     let log = session("many");
     let owners = thread::scope(|scope| {
         let tries: Vec<_> = (0..8)
-            .map(|number| {
-                let (store, log) = (if number % 2 == 0 { &two.one } else { &two.other }, &log);
+            .map(|number: usize| {
+                let (store, log) = (if number.is_multiple_of(2) { &two.one } else { &two.other }, &log);
                 scope.spawn(move || store.own(log).ok())
             })
             .collect();
@@ -205,7 +205,7 @@ fn record_once(two: &Two) {
     let written = thread::scope(|scope| {
         let writers: Vec<_> = (0..16)
             .map(|number: usize| {
-                let (store, key) = (if number % 2 == 0 { &two.one } else { &two.other }, &key);
+                let (store, key) = (if number.is_multiple_of(2) { &two.one } else { &two.other }, &key);
                 scope.spawn(move || store.insert(key, &number.to_string()).unwrap())
             })
             .collect();

@@ -28,7 +28,6 @@ fn execute(address: &str, sql: &str) {
 }
 
 impl Database {
-    #[expect(clippy::new_without_default)]
     pub fn new() -> Self {
         let server = std::env::var("LONGSTEP_POSTGRES").unwrap();
         let number = std::time::UNIX_EPOCH.elapsed().unwrap().as_nanos();
