@@ -35,7 +35,7 @@ fn main() {
     let store = PostgresStore::open(value("--store"), options).unwrap_or_else(|error| panic!("{error}"));
     // Each step takes long enough that servers end during it.
     let robot = |(name, options): (&str, &str)| simulated(name, options.parse().unwrap(), Body::PerSession);
-    let robots = [("sim", "ticks=2,pace=40"), ("quick", "")]
+    let robots = [("sim", "ticks=2,pace=120"), ("quick", "")]
         .into_iter()
         .map(robot)
         .collect();

@@ -101,7 +101,7 @@ fn an_owner_that_does_not_know_the_log_writes_nothing() {
     own.append("a\n", Durability::Now).unwrap();
     // An addition whose answer was lost on its way.
     database.run("UPDATE longstep_log SET length = length + 2 WHERE kind = 'session'");
-    database.run("INSERT INTO longstep_line (kind, id, place, text) VALUES ('session', 's', 2, E'b\\n')");
+    database.run("INSERT INTO longstep_line (kind, id, place, epoch, text) VALUES ('session', 's', 2, 1, E'b\\n')");
     is_fenced(&two, own.as_ref(), None);
 }
 

@@ -16,11 +16,13 @@ CREATE INDEX longstep_log_owned ON longstep_log (kind) WHERE owner IS NOT NULL;
 
 INSERT INTO longstep_log (kind, id) VALUES ('audit', '');
 
--- One addition to a log: whole lines, at their place in bytes. Two additions cannot have one place.
+-- One addition to a log: whole lines, at their place in bytes, by the owner with this epoch. Two additions cannot have one
+-- place.
 CREATE TABLE longstep_line (
     kind text NOT NULL,
     id text NOT NULL,
     place bigint NOT NULL,
+    epoch bigint NOT NULL,
     text text NOT NULL,
     PRIMARY KEY (kind, id, place),
     FOREIGN KEY (kind, id) REFERENCES longstep_log (kind, id)

@@ -37,7 +37,7 @@ WITH grown AS (
     WHERE kind = $1 AND id = $2 AND owner = $3 AND epoch = $4 AND length = $5 AND expires > clock_timestamp()
     RETURNING kind, id
 )
-INSERT INTO longstep_line (kind, id, place, text) SELECT kind, id, $5, $6 FROM grown";
+INSERT INTO longstep_line (kind, id, place, epoch, text) SELECT kind, id, $5, $4, $6 FROM grown";
 
 /// The same, without waiting for the disk.
 const APPEND_LATER: &str = "
@@ -47,7 +47,7 @@ grown AS (
     WHERE kind = $1 AND id = $2 AND owner = $3 AND epoch = $4 AND length = $5 AND expires > clock_timestamp()
     RETURNING kind, id
 )
-INSERT INTO longstep_line (kind, id, place, text) SELECT kind, id, $5, $6 FROM grown";
+INSERT INTO longstep_line (kind, id, place, epoch, text) SELECT kind, id, $5, $4, $6 FROM grown";
 
 /// Adds lines to a log that servers share.
 const ADD: &str = "
@@ -55,7 +55,7 @@ WITH grown AS (
     UPDATE longstep_log SET length = length + $4, changed_at = clock_timestamp() WHERE kind = $1 AND id = $2
     RETURNING kind, id, length - $4 AS place
 )
-INSERT INTO longstep_line (kind, id, place, text) SELECT kind, id, place, $3 FROM grown";
+INSERT INTO longstep_line (kind, id, place, epoch, text) SELECT kind, id, place, 0, $3 FROM grown";
 
 /// The leases of a server.
 #[derive(Debug)]
