@@ -51,6 +51,8 @@ struct Holding {
     holders: usize,
     /// The length of the log of which the session was made, while this server does not own it.
     length: u64,
+    /// The epoch of the log when this server owned it last.
+    epoch: u64,
     /// True after the right was lost, or an addition to the log has failed: the session is not as its log.
     is_lost: bool,
 }
@@ -87,12 +89,13 @@ impl Drop for Held {
         let mut holding = self.0.holding();
         holding.holders -= 1;
         let is_shared = self.0.store.as_ref().is_some_and(|store| store.is_shared());
-        if holding.holders > 0 || !is_shared {
+        // The end of a run that the session has not taken yet is known here only.
+        if holding.holders > 0 || !is_shared || !self.0.ended_runs().is_empty() {
             return;
         }
         // Given back under the lock: another request of this server waits for that, and is not refused.
         if let Some(log) = holding.log.take() {
-            holding.length = log.length();
+            (holding.length, holding.epoch) = (log.length(), log.epoch());
         }
     }
 }
@@ -158,6 +161,7 @@ impl Hosted {
                 log: None,
                 holders: 0,
                 length: 0,
+                epoch: 0,
                 is_lost: false,
             }),
             is_unsettled: AtomicBool::new(false),
@@ -180,6 +184,9 @@ impl Hosted {
             let log = store.own(&LogName::Session(self.id.clone()))?;
             if log.length() != holding.length {
                 self.read_again(&mut holding, domains)?;
+            } else if log.epoch() != holding.epoch + 1 {
+                // Another server had it, and may have died with the end of a run.
+                self.is_unsettled.store(true, Ordering::SeqCst);
             }
             holding.log = Some(log.into());
         }
@@ -212,7 +219,7 @@ impl Hosted {
         *own = session;
         holding.length = length;
         // Those that the session has not taken are found again.
-        self.ended_runs.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.ended_runs().clear();
         self.is_unsettled.store(true, Ordering::SeqCst);
         // Plans with the same numbers may be others.
         self.show_after(&own, &[]);
@@ -296,14 +303,16 @@ impl Hosted {
 
     /// Takes the end of a run, now or when the instruction in progress has ended.
     pub(crate) fn run_ended(&self, ended: EndedRun) -> Result<(), Problem> {
-        let mut runs = self.ended_runs.lock().unwrap_or_else(PoisonError::into_inner);
-        runs.push_back(ended);
-        drop(runs);
+        self.ended_runs().push_back(ended);
         self.change(|_| Ok(()))
     }
 
+    fn ended_runs(&self) -> MutexGuard<'_, VecDeque<EndedRun>> {
+        self.ended_runs.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn take_ended_runs(&self, session: &mut Session) {
-        let mut runs = self.ended_runs.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut runs = self.ended_runs();
         while let Some(run) = runs.front() {
             let taken = session.carried_out(run.number, run.is_reached, &run.statements);
             // A plan that was undone, or a world that does not have it, will not take it later either.

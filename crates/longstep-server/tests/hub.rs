@@ -143,3 +143,48 @@ fn a_call_of_the_model_ends_with_its_client_or_when_it_is_cancelled() {
     hub.cancel(&other).unwrap();
     assert_eq!(instructed(&hub, &other, "Put the pen on the shelf").view.state, "plan");
 }
+
+/// Removes the last lines of a file, as a server that died before it wrote them left it.
+fn cut(path: &std::path::Path, lines: usize) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let kept: Vec<&str> = text.split_inclusive('\n').collect();
+    std::fs::write(path, kept[..kept.len() - lines].concat()).unwrap();
+}
+
+#[test]
+fn runs_of_an_earlier_server_are_shown_as_their_logs_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let robots = || vec![simulated("sim", SimOptions::default(), Body::PerSession)];
+    let (id, run) = {
+        let hub = hub(&folder, robots());
+        let id = desk(&hub);
+        let plan = hash(&instructed(&hub, &id, "Put the pen on the shelf"));
+        hub.accept(&id, &plan, "ada").unwrap();
+        let approval = hub.approve(&id, &plan, "sim", "ada", APPROVAL_LIFETIME).unwrap();
+        let run = hub.start(&approval.id, false, "ada").unwrap().record.id.clone();
+        until(&hub, &run, |run| run.state.is_ended());
+        (id, run)
+    };
+    // The server died after the run was done, and before its session had its end.
+    let session = folder.path().join(format!("sessions/{id}/session.jsonl"));
+    let text = std::fs::read_to_string(&session).unwrap();
+    assert!(text.lines().last().unwrap().contains("carried_out"));
+    cut(&session, 1);
+    let (log, events) = (folder.path().join(format!("runs/{run}.jsonl")), 3);
+    for (cuts, state, pending) in [(0, RunState::Done, false), (events, RunState::Interrupted, true)] {
+        cut(&log, cuts);
+        let hub = hub(&folder, robots());
+        assert_eq!(hub.run(&run).unwrap().state, state);
+        let listed: Vec<_> = hub
+            .runs()
+            .iter()
+            .map(|run| (run.record.id.clone(), run.state))
+            .collect();
+        assert_eq!(listed, [(run.clone(), state)]);
+        assert_eq!(hub.session(&id).unwrap().view.accepted[0].pending, pending);
+        drop(hub);
+        if !pending {
+            cut(&session, 1);
+        }
+    }
+}

@@ -276,3 +276,35 @@ fn the_work_of_a_dead_server_is_taken_over_when_its_leases_have_ended() {
     );
     other.undo(&moving).unwrap();
 }
+
+#[test]
+#[ignore = "needs LONGSTEP_POSTGRES, which scripts/postgres.sh prints"]
+fn the_end_of_a_run_reaches_its_session_when_its_turn_comes() {
+    let database = Database::new();
+    for dies in [false, true] {
+        let (one, other) = (server(&database), server(&database));
+        let (id, approval) = approved(&one, "sim");
+        // Another plan waits for a decision when the run ends.
+        assert_eq!(
+            said(&other, &id, "Put the cup on the shelf").unwrap().view.state,
+            "plan"
+        );
+        let run = one.start(&approval, false, "ada").unwrap().record.id.clone();
+        until(&other, &run, |run| run.state == RunState::Done);
+        until(&one, &run, |run| run.state == RunState::Done);
+        if dies {
+            let_owners_die(&database);
+        }
+        // The server that has the end keeps the session until it is told.
+        assert!(is_busy(other.cancel(&id)));
+        if dies {
+            eventually(|| other.cancel(&id).is_ok());
+        } else {
+            one.cancel(&id).unwrap();
+        }
+        for hub in [&other, &one] {
+            let view = &hub.session(&id).unwrap().view;
+            assert_eq!((view.state, view.accepted[0].pending), ("ready", false));
+        }
+    }
+}
