@@ -23,7 +23,7 @@ pub(crate) use model::{ModelArguments, ModelCommand};
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
 pub(crate) use run::{ApprovalArgument, ExecutionArguments, ObserveArgument, RunArguments, TrustArgument};
 pub(crate) use see::SeeArguments;
-pub(crate) use serve::ServeArguments;
+pub(crate) use serve::{AccessArguments, HubArguments, McpArguments, ServeArguments};
 pub(crate) use strategy::StrategyArguments;
 pub(crate) use teach::TeachArguments;
 pub(crate) use world::{DraftArguments, WorldArguments, domain_or_default, required};
@@ -63,6 +63,8 @@ pub(crate) enum Command {
     Run(RunArguments),
     /// Serve sessions, approvals and runs: a page for people, HTTP for programs
     Serve(Box<ServeArguments>),
+    /// Serve tools to a language-model agent (Model Context Protocol, on standard input and output)
+    Mcp(Box<McpArguments>),
     /// Check the configuration of a robot, or make an environment file from a running simulator
     #[command(subcommand)]
     Robot(RobotCommand),

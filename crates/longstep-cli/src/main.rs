@@ -15,9 +15,11 @@ mod exit_code;
 mod explain;
 mod export;
 mod failure;
+mod hub;
 mod input_lines;
 mod inputs;
 mod lanes;
+mod mcp;
 mod model;
 mod output;
 mod parsed_arguments;
@@ -67,6 +69,7 @@ fn run(command: &mut Command) -> anyhow::Result<u8> {
         Command::Teach(arguments) => teach::run(arguments),
         Command::Run(arguments) => run::run(arguments),
         Command::Serve(arguments) => serve::run(arguments),
+        Command::Mcp(arguments) => mcp::run(arguments),
         Command::Robot(command) => robot::run(command),
         Command::Export(arguments) => export::run(arguments),
         Command::Solve(arguments) => solve::run(arguments),

@@ -178,6 +178,13 @@ impl Hub {
         self.models.as_ref()
     }
 
+    pub(crate) fn models_or_problem(&self) -> Result<&Models, Problem> {
+        self.models.as_ref().ok_or_else(|| {
+            Problem::new(ProblemKind::Failed, "this server has no model")
+                .hint("start it with `longstep serve --model NAME`")
+        })
+    }
+
     /// Returns the robots.
     pub fn robots(&self) -> &[RobotEntry] {
         &self.robots

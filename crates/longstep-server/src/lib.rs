@@ -24,6 +24,7 @@ mod hosted;
 pub mod http;
 mod hub;
 mod id;
+mod lend;
 #[cfg(feature = "mcp")]
 pub mod mcp;
 mod models;

@@ -8,7 +8,7 @@ use crate::audit::Deed;
 use crate::hosted::Hosted;
 use crate::hub::{Hub, checked_text};
 use crate::id::SessionId;
-use crate::problem::{Problem, ProblemKind};
+use crate::problem::Problem;
 use crate::view::{Snapshot, proposal_hash};
 
 /// A request of a person that a model may have to answer.
@@ -103,10 +103,7 @@ impl Hub {
     }
 
     pub(crate) fn say_to(self: &Arc<Self>, hosted: &Arc<Hosted>, said: &Said) -> Result<(), Problem> {
-        let Some(models) = &self.models else {
-            return Err(Problem::new(ProblemKind::Failed, "this server has no model")
-                .hint("start it with `longstep serve --model NAME`"));
-        };
+        let models = self.models_or_problem()?;
         if !hosted.begin_thinking() {
             return Err(Problem::conflict("a model works for this session already")
                 .hint("wait for it, or cancel the instruction"));

@@ -7,6 +7,7 @@ use axum::extract::{Extension, Path, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use longstep_core::environment::Observation;
+use longstep_llm::lent::{ChatCall, CountCall};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -16,6 +17,7 @@ use super::reply::{Asked, Reply};
 use crate::approval::APPROVAL_LIFETIME;
 use crate::hub::{Hub, NewSession};
 use crate::id::{ApprovalId, RunId, SessionId};
+use crate::lend::LentWork;
 use crate::problem::{Problem, ProblemKind};
 use crate::run::RunView;
 use crate::talk::Said;
@@ -72,6 +74,22 @@ impl From<Place> for NewSession {
             rules: place.rules,
         }
     }
+}
+
+pub(super) async fn model(State(shared): State<Shared>) -> Result {
+    lend(shared, LentWork::Describe).await
+}
+
+pub(super) async fn chat(State(shared): State<Shared>, Asked(call): Asked<ChatCall>) -> Result {
+    lend(shared, LentWork::Chat(call)).await
+}
+
+pub(super) async fn count(State(shared): State<Shared>, Asked(call): Asked<CountCall>) -> Result {
+    lend(shared, LentWork::Count(call)).await
+}
+
+async fn lend(shared: Shared, work: LentWork) -> Result {
+    Ok(Reply(shared.hub.lend(work).await?).into_response())
 }
 
 /// A plan that was written elsewhere.

@@ -37,6 +37,9 @@ macro_rules! routes {
 pub(crate) fn routes() -> Vec<Route> {
     routes! {
         get "/api/server" server (None) -> 200 "Server": "The model, domains, scenes and robots" = api::server;
+        get "/api/model" get_model (None) -> 200 "LentModel": "The model that `LONGSTEP_SERVER` lends to other programs" = api::model;
+        post "/api/model/chat" chat (Some("ChatCall")) -> 200 "ChatReply": "Let the model answer a request as it is" = api::chat;
+        post "/api/model/count" count_tokens (Some("CountCall")) -> 200 "TokenCount": "Count the tokens of messages" = api::count;
         get "/api/sessions" list_sessions (None) -> 200 "SessionList": "All sessions" = api::sessions;
         post "/api/sessions" create_session (Some("Place")) -> 201 "Session": "Begin a session in a world" = api::create;
         get "/api/sessions/{id}" get_session (None) -> 200 "Session": "A session as it is now" = api::one_session;

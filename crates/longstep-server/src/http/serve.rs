@@ -6,6 +6,7 @@ use std::net::TcpListener;
 use std::sync::Arc;
 use std::time::Duration;
 
+use axum::Router;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -15,8 +16,10 @@ use tokio::sync::Semaphore;
 
 use super::Shared;
 use super::access::Access;
-use super::router::router;
+use super::router::{guard, routes};
 use crate::hub::Hub;
+#[cfg(feature = "mcp")]
+use crate::mcp::{McpOptions, http_service};
 
 /// The most connections at a time.
 const CONNECTIONS: usize = 1_024;
@@ -39,18 +42,36 @@ pub struct ServeOptions {
     pub access: Access,
     /// Threads that work on requests.
     pub threads: usize,
+    /// The options of the Model Context Protocol at `/mcp`; none for a server without it.
+    #[cfg(feature = "mcp")]
+    pub mcp: Option<McpOptions>,
 }
 
 impl ServeOptions {
     /// Creates options with two threads.
     pub fn new(access: Access) -> Self {
-        Self { access, threads: 2 }
+        Self {
+            access,
+            threads: 2,
+            #[cfg(feature = "mcp")]
+            mcp: None,
+        }
     }
 
     /// Sets the threads that work on requests.
     #[must_use]
     pub fn with_threads(self, threads: usize) -> Self {
         Self { threads, ..self }
+    }
+
+    /// Serves the Model Context Protocol at `/mcp` too, to clients that send the token.
+    #[cfg(feature = "mcp")]
+    #[must_use]
+    pub fn with_mcp(self, mcp: impl Into<Option<McpOptions>>) -> Self {
+        Self {
+            mcp: mcp.into(),
+            ..self
+        }
     }
 }
 
@@ -64,6 +85,10 @@ pub enum ServeError {
     /// There are no random numbers.
     #[error("there are no random numbers: {0}")]
     Random(#[from] getrandom::Error),
+    /// The Model Context Protocol cannot begin.
+    #[cfg(feature = "mcp")]
+    #[error(transparent)]
+    Mcp(#[from] crate::mcp::McpError),
 }
 
 /// Serves a hub until `ended` completes; then stops all robots. Blocks the thread.
@@ -78,6 +103,16 @@ pub fn serve(
     ended: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
     let shared = Shared::new(Arc::clone(&hub), options.access)?;
+    let service = routes();
+    #[cfg(feature = "mcp")]
+    let service = match options.mcp {
+        Some(mcp) => {
+            let mcp = mcp.with_hosts(shared.access.hosts().to_vec());
+            service.nest_service("/mcp", http_service(Arc::clone(&hub), mcp)?)
+        }
+        None => service,
+    };
+    let service = guard(service, shared);
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(options.threads.max(1))
         .enable_all()
@@ -86,7 +121,7 @@ pub fn serve(
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
         tokio::select! {
-            () = accept(listener, shared) => {}
+            () = accept(listener, service) => {}
             () = ended => {}
         }
         Ok::<(), io::Error>(())
@@ -97,9 +132,8 @@ pub fn serve(
     Ok(())
 }
 
-async fn accept(listener: tokio::net::TcpListener, shared: Shared) {
+async fn accept(listener: tokio::net::TcpListener, service: Router) {
     let connections = Arc::new(Semaphore::new(CONNECTIONS));
-    let service = router(shared);
     loop {
         let Ok((stream, _)) = listener.accept().await else {
             // Too many open files: those that are open will end.
