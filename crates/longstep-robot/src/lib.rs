@@ -15,6 +15,7 @@
 //! - [`process::Process`]: a robot behind another program, in any language. [`ros2::Ros2`]: one behind ROS 2.
 //! - [`virtualhome::VirtualHome`]: a character in the VirtualHome simulator.
 //! - [`recorder::Recorder`]: a program that records the hand of a person who shows a step.
+//! - [`mcap::Recording`]: a run as an MCAP file, for Foxglove and Lichtblick.
 //! - [`DryRun`]: shows what a robot would be sent, and moves nothing. [`Exclusive`]: a robot that no other program drives.
 //!
 //! Usage:
@@ -33,6 +34,7 @@ mod error;
 mod exclusive;
 mod fitness;
 mod lock;
+pub mod mcap;
 mod open;
 mod order;
 mod preflight;
@@ -73,7 +75,7 @@ pub use presence::Presence;
 pub use program::{CommandLine, CommandLineError};
 pub use reference::{ReferenceError, RobotKind, RobotReference};
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
-pub use run_log::{RunHeader, RunLog, RunLogError};
+pub use run_log::{RunHeader, RunLog, RunLogError, TimedEvent};
 pub use scope::Scope;
 pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};
 pub use stop::StopRequest;
