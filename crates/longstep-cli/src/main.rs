@@ -30,6 +30,7 @@ mod question;
 mod repair;
 mod robot;
 mod run;
+mod runs;
 mod see;
 mod serve;
 mod session;
@@ -66,6 +67,7 @@ fn run(command: &mut Command) -> anyhow::Result<u8> {
         Command::Repair(arguments) => repair::run(arguments),
         Command::Teach(arguments) => teach::run(arguments),
         Command::Run(arguments) => run::run(arguments),
+        Command::Runs(command) => runs::run(command),
         Command::Serve(arguments) => serve::run(arguments),
         Command::Robot(command) => robot::run(command),
         Command::Export(arguments) => export::run(arguments),

@@ -9,13 +9,14 @@ use axum::routing::get;
 
 use super::reply::body_of;
 use super::routes::routes;
-use super::{Shared, events, openapi, pages};
+use super::{Shared, api, events, openapi, pages};
 use crate::problem::{Problem, ProblemKind};
 
 /// Returns the router of the server.
 pub(crate) fn router(shared: Shared) -> Router {
     let mut router = pages::mount(Router::new())
         .route("/api/events", get(events::events))
+        .route("/api/runs/{id}/mcap", get(api::recording))
         .route("/openapi.json", get(openapi::description));
     for route in routes() {
         router = router.route(route.path, route.handler);
