@@ -13,6 +13,7 @@
 //! - [`RunControl`]: stops, pauses and continues a run. [`StopRequest`]: stops a run, also while its robot is being opened. [`StopSwitch`]: stops a robot from any thread,
 //!   also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language. [`ros2::Ros2`]: one behind ROS 2.
+//! - [`rosbridge`]: the protocol between Longstep and a bridge to ROS 2.
 //! - [`virtualhome::VirtualHome`]: a character in the VirtualHome simulator.
 //! - [`recorder::Recorder`]: a program that records the hand of a person who shows a step.
 //! - [`mcap::Recording`]: a run as an MCAP file, for Foxglove and Lichtblick.
@@ -52,6 +53,7 @@ pub mod recorder;
 mod reference;
 mod robot;
 pub mod ros2;
+pub mod rosbridge;
 mod run_log;
 mod scope;
 mod sim;

@@ -31,6 +31,7 @@ mod operate;
 mod page;
 mod problem;
 mod recording;
+pub mod ros;
 mod run;
 mod store;
 mod talk;
