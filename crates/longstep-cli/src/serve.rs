@@ -12,6 +12,7 @@ use longstep_files::{read_text, session_directory};
 use longstep_llm::load_domain;
 use longstep_robot::{OpenOptions, RobotReference};
 use longstep_server::http::{Access, ServeOptions, Token, serve};
+use longstep_server::ros::{RosFace, RosOptions};
 use longstep_server::{Configuration, Domains, FileStore, Hub, Models, Problem, RobotEntry, Scene};
 
 use crate::arguments::{ExecutionArguments, ServeArguments, domain_or_default};
@@ -32,6 +33,12 @@ pub(crate) fn run(arguments: &ServeArguments) -> Result<u8> {
     };
     let token = Token::of_file(&token_file)
         .map_err(|error| Failure::unreadable(error.to_string()).hint("name another file with `--token-file FILE`"))?;
+    // Read before anything begins, so that a mistake in a file is known now.
+    let bridges = arguments
+        .ros2
+        .iter()
+        .map(|file| bridge(file))
+        .collect::<Result<Vec<_>>>()?;
     let hub = Hub::open(configuration(arguments, store)?).map_err(failure)?;
     print_line!("{} http://{address}/?token={}", "Longstep is at".bold(), token.text());
     remark!(
@@ -39,9 +46,40 @@ pub(crate) fn run(arguments: &ServeArguments) -> Result<u8> {
         token_file.display()
     );
     let access = Access::new(token, address, &arguments.name);
+    let _faces = faces(&hub, bridges)?;
     let ended = signals::ended().map_err(|error| Failure::unreadable(format!("cannot watch for signals: {error}")))?;
     serve(listener, hub, ServeOptions::new(access), ended)?;
     Ok(DONE)
+}
+
+/// Reads the bridge of a robot file. Its robot, if the server has it, is that of plans that a caller approves.
+fn bridge(file: &Path) -> Result<(String, RosOptions)> {
+    let name = file.display().to_string();
+    let configuration = longstep_robot::ros2::Configuration::parse(&name, &read_text(file)?)?;
+    let notice = |text: &str| remark!("{text}");
+    let options = RosOptions::new(&configuration).with_notice(Arc::new(notice));
+    Ok((format!("ros2:{name}"), options))
+}
+
+/// Begins the faces in ROS 2. They end when they are dropped.
+fn faces(hub: &Arc<Hub>, bridges: Vec<(String, RosOptions)>) -> Result<Vec<RosFace>> {
+    let begin = |(reference, options): (String, RosOptions)| {
+        let own = hub.robots().iter().find(|robot| robot.reference == reference);
+        let options = options.with_robot(own.map(|robot| robot.name.clone()));
+        let serving = &options.serving;
+        let callers = if serving.approve {
+            "callers may approve plans"
+        } else {
+            "callers may not approve plans"
+        };
+        remark!(
+            "ROS 2 at {}: topics {}/...; {callers}",
+            options.address,
+            serving.namespace
+        );
+        Ok(RosFace::start(Arc::clone(hub), options)?)
+    };
+    bridges.into_iter().map(begin).collect()
 }
 
 /// Opens the listener. Beyond this machine nothing is encrypted: that is said before anything else.
