@@ -1,4 +1,4 @@
-//! The messages of a recording: what each event of a log adds to each topic.
+//! The messages of a recording, event by event.
 
 use std::collections::BTreeMap;
 

@@ -63,7 +63,7 @@ pub struct Configuration {
     pub(super) serving: Serving,
 }
 
-/// What `longstep serve --ros2` offers behind the bridge: the table `[serve]` of `robot.toml`.
+/// The topics and services of `longstep serve --ros2`: the table `[serve]` of `robot.toml`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Serving {
@@ -236,7 +236,7 @@ impl Configuration {
         &self.url
     }
 
-    /// What a server offers behind the bridge.
+    /// The topics and services of a server behind the bridge.
     pub fn serving(&self) -> &Serving {
         &self.serving
     }

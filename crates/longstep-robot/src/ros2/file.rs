@@ -34,7 +34,7 @@ pub(super) struct RobotFile {
     pub(super) action: Vec<ActionEntry>,
     #[serde(default)]
     pub(super) observation: Vec<ObservationEntry>,
-    /// What a server offers behind the bridge.
+    /// The topics and services of a server.
     #[serde(default)]
     pub(super) serve: ServeEntry,
     /// Levels of autonomy and limits, which [`longstep_core::autonomy`] reads.

@@ -168,7 +168,7 @@ impl Bridge {
         Ok(true)
     }
 
-    /// Uses a message of the bridge. What is no request is nothing to a server.
+    /// Takes the request in a message of the bridge. Other messages are ignored.
     fn receive(&mut self, text: &str) {
         match rosbridge::read(text) {
             Ok(Incoming::Published { topic, message }) => {

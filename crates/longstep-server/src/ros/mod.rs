@@ -50,7 +50,7 @@ pub type Notice = Arc<dyn Fn(&str) + Send + Sync>;
 pub struct RosOptions {
     /// The bridge.
     pub address: Address,
-    /// The namespace, the consent of callers, and the services.
+    /// The namespace, the permission of callers to approve, and the services.
     pub serving: Serving,
     /// The longest wait for a connection.
     pub connect: Duration,
@@ -58,7 +58,7 @@ pub struct RosOptions {
     pub silence: Duration,
     /// The robot of plans that a caller approves; the only robot of the server if none is set.
     pub robot: Option<String>,
-    /// Takes what happens to the connection.
+    /// Takes the lines about the connection.
     pub notice: Notice,
 }
 
@@ -84,7 +84,7 @@ impl RosOptions {
         }
     }
 
-    /// Sets what takes the lines about the connection.
+    /// Sets the recipient of the lines about the connection.
     #[must_use]
     pub fn with_notice(self, notice: Notice) -> Self {
         Self { notice, ..self }

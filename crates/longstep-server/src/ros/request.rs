@@ -14,7 +14,7 @@ pub(super) const LARGEST: usize = 64 << 10;
 /// The most characters of an id that a caller chooses, of its name, and of a hash.
 const LONGEST_NAME: usize = 100;
 
-/// What a text is to a session.
+/// The role of a text in a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Role {
@@ -24,7 +24,7 @@ pub(super) enum Role {
 }
 
 impl Role {
-    /// Returns what a text is to a session in a state, unless the caller says it.
+    /// Returns the role of a text in a session with this state.
     pub(super) fn of_state(state: &str) -> Self {
         match state {
             "question" => Self::Answer,
@@ -54,7 +54,7 @@ pub(super) struct Say {
     pub(super) session: Option<String>,
     /// The scene of a new session; the first of the server if none is named.
     pub(super) scene: Option<String>,
-    /// What the text is; by the state of the session if it is not said.
+    /// The role of the text; by the state of the session if none is named.
     #[serde(rename = "as")]
     pub(super) role: Option<Role>,
 }

@@ -48,7 +48,7 @@ impl Asked {
     }
 }
 
-/// Where the answer to a request goes.
+/// The recipient of an answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum ReplyTo {
     /// The topic for responses.
