@@ -32,6 +32,7 @@ mod question;
 mod repair;
 mod robot;
 mod run;
+mod runs;
 mod see;
 mod serve;
 mod session;
@@ -68,6 +69,7 @@ fn run(command: &mut Command) -> anyhow::Result<u8> {
         Command::Repair(arguments) => repair::run(arguments),
         Command::Teach(arguments) => teach::run(arguments),
         Command::Run(arguments) => run::run(arguments),
+        Command::Runs(command) => runs::run(command),
         Command::Serve(arguments) => serve::run(arguments),
         Command::Mcp(arguments) => mcp::run(arguments),
         Command::Robot(command) => robot::run(command),

@@ -7,7 +7,7 @@
 //! - [`Hub::approve`] and [`Hub::start`]: an [`Approval`] counts for one plan, from one world, on one robot, once, until a
 //!   time. [`Audit`] has who did what.
 //! - [`Hub::pause`], [`Hub::go_on`], [`Hub::stop`], [`Hub::decide`]: a run under way.
-//! - [`Feed`]: the live stream.
+//! - [`Feed`]: the live stream. [`Hub::recording`]: a run as an MCAP file.
 //!
 //! [`Store`] is what outlives a server. [`Models`] is the model that all sessions share.
 
@@ -31,6 +31,8 @@ mod models;
 mod operate;
 mod page;
 mod problem;
+mod recording;
+pub mod ros;
 mod run;
 mod store;
 mod talk;

@@ -210,6 +210,18 @@ fn a_plan_is_made_approved_and_carried_out() {
         .filter_map(|own| own["deed"].as_str())
         .collect();
     assert_eq!(deeds, ["ended", "started", "approved", "accepted"]);
+    let recording = served.request("GET", &format!("{run}/mcap"), &served.bearer(), "");
+    assert_eq!(recording.status, 200, "{}", recording.head);
+    for header in ["application/octet-stream", "attachment; filename=\"", ".mcap\""] {
+        assert!(recording.head.contains(header), "{}", recording.head);
+    }
+    assert!(recording.body.contains("MCAP0"));
+    let missing = served.request("GET", "/api/runs/nothing/mcap", &served.bearer(), "");
+    assert_eq!(
+        (missing.status, &missing.json()["error"]["kind"]),
+        (404, &json!("missing"))
+    );
+    assert_eq!(served.request("GET", &format!("{run}/mcap"), "", "").status, 401);
     let (status, undone) = served.post(&format!("{session}/undo"), &Value::Null);
     assert_eq!((status, undone["accepted"].as_array().unwrap().len()), (200, 0));
 }

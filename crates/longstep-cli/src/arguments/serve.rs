@@ -56,6 +56,9 @@ pub(crate) struct HubArguments {
     /// Robot, `NAME=ROBOT` or `ROBOT` (repeatable) [default: sim]
     #[arg(long, value_name = "[NAME=]ROBOT")]
     pub(crate) robot: Vec<String>,
+    /// Robot file with the bridge to ROS 2 on which plans and progress are shown and requests taken (repeatable)
+    #[arg(long, value_name = "ROBOT.toml")]
+    pub(crate) ros2: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) execution: ExecutionArguments,
     #[command(flatten)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::{Extension, Path, State};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use longstep_core::environment::Observation;
 use longstep_llm::lent::{ChatCall, CountCall};
@@ -330,6 +330,20 @@ pub(crate) async fn runs(State(shared): State<Shared>) -> Response {
         .map(|run| json!({"id": run.record.id, "session": run.record.session, "state": run.state}))
         .collect();
     Reply(json!({"runs": runs})).into_response()
+}
+
+/// Returns a run as a file to download.
+pub(crate) async fn recording(State(shared): State<Shared>, Path(id): Path<String>) -> Result {
+    let id = run_id(&id)?;
+    let name = format!("attachment; filename=\"{id}.mcap\"");
+    let bytes = blocking(shared, move |hub| hub.recording(&id)).await?;
+    let name = HeaderValue::from_str(&name).map_err(|error| Problem::new(ProblemKind::Internal, error.to_string()))?;
+    let kind = HeaderValue::from_static("application/octet-stream");
+    Ok((
+        [(header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, name)],
+        bytes,
+    )
+        .into_response())
 }
 
 pub(crate) async fn start(

@@ -8,26 +8,25 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 
 use super::reply::body_of;
-use super::{Shared, events, openapi, pages, routes};
+use super::routes::routes;
+use super::{Shared, api, events, openapi, pages};
 use crate::problem::{Problem, ProblemKind};
 
-/// Returns the paths of the server, for [`guard`].
-pub(crate) fn routes() -> Router<Shared> {
+/// Returns the router of the server.
+pub(crate) fn router(shared: Shared) -> Router {
     let mut router = pages::mount(Router::new())
         .route("/api/events", get(events::events))
+        .route("/api/runs/{id}/mcap", get(api::recording))
         .route("/openapi.json", get(openapi::description));
-    for route in routes::routes() {
+    for route in routes() {
         router = router.route(route.path, route.handler);
     }
-    router.fallback(pages::missing).method_not_allowed_fallback(async || {
-        let problem = Problem::new(ProblemKind::Missing, "this path does not take this method");
-        (StatusCode::METHOD_NOT_ALLOWED, body_of(&problem))
-    })
-}
-
-/// Puts the guard before all paths.
-pub(crate) fn guard(routes: Router<Shared>, shared: Shared) -> Router {
-    routes
+    router
+        .fallback(pages::missing)
+        .method_not_allowed_fallback(async || {
+            let problem = Problem::new(ProblemKind::Missing, "this path does not take this method");
+            (StatusCode::METHOD_NOT_ALLOWED, body_of(&problem))
+        })
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
         .with_state(shared)
 }
