@@ -10,18 +10,18 @@ use longstep_robot::mcap::Recording;
 use crate::arguments::{RunsCommand, RunsFormat};
 use crate::failure::Failure;
 use crate::output::remark;
-use crate::run;
+use crate::run::{list, log_named};
 
 pub(crate) fn run(command: &RunsCommand) -> Result<u8> {
     match command {
-        RunsCommand::List => run::list(),
+        RunsCommand::List => list(),
         RunsCommand::Export { run, format, output } => export(run, *format, output),
     }
 }
 
 /// Writes a run to a file in another format.
 fn export(named: &Path, format: RunsFormat, output: &Path) -> Result<u8> {
-    let log = run::log_named(named)?;
+    let log = log_named(named)?;
     let (header, events) = RunLog::read_timed(&log)
         .map_err(|error| Failure::unreadable(error.to_string()).hint("`longstep runs list` has the names of runs"))?;
     let bytes = match format {

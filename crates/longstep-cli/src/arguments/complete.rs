@@ -211,7 +211,13 @@ impl Command {
                 taken.domain(&mut own.domain)?;
                 taken.environment(&mut own.env)?;
             }
-            Self::Solve(_) | Self::Session(_) | Self::Robot(_) | Self::Eval(_) | Self::Domain(_) | Self::Model(_) => {}
+            Self::Solve(_)
+            | Self::Session(_)
+            | Self::Runs(_)
+            | Self::Robot(_)
+            | Self::Eval(_)
+            | Self::Domain(_)
+            | Self::Model(_) => {}
         }
         Ok(taken)
     }
