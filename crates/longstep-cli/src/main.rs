@@ -31,6 +31,7 @@ mod project;
 mod question;
 mod repair;
 mod robot;
+mod ros;
 mod run;
 mod runs;
 mod see;

@@ -162,7 +162,8 @@ fn lent_model_that_cannot_be_had_is_an_error_that_says_why() {
     let (with, address, token) = serve(home.path(), &["--model", &model.reference()]);
     let other = tempfile::tempdir().unwrap();
     let (without, bare, _) = serve(other.path(), &["--no-model"]);
-    let table: [(&[&str], &[(&str, &str)], &str); 6] = [
+    type Case<'a> = (&'a [&'a str], &'a [(&'a str, &'a str)], &'a str);
+    let table: [Case<'_>; 6] = [
         (&["--server", &address], &[("LONGSTEP_TOKEN", "wrong")], "status 401"),
         (&["--server", &address, "--temperature", "1"], &[], "leave them out"),
         (&["--server", "http://127.0.0.1:1"], &[], "cannot be reached"),

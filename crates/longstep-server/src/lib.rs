@@ -15,6 +15,10 @@
 #[cfg(test)]
 extern crate self as longstep_server;
 
+#[cfg(test)]
+#[path = "../tests/support/mod.rs"]
+mod support;
+
 mod approval;
 mod audit;
 mod desk;

@@ -15,6 +15,9 @@ pub(crate) struct ServeArguments {
     /// Address to listen at; one that other machines reach needs TLS in front, see docs/guide/server.md
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8765")]
     pub(crate) listen: SocketAddr,
+    /// Robot file with the bridge to ROS 2 on which plans and progress are shown and requests taken (repeatable)
+    #[arg(long, value_name = "ROBOT.toml")]
+    pub(crate) ros2: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) access: AccessArguments,
     #[command(flatten)]
@@ -56,9 +59,6 @@ pub(crate) struct HubArguments {
     /// Robot, `NAME=ROBOT` or `ROBOT` (repeatable) [default: sim]
     #[arg(long, value_name = "[NAME=]ROBOT")]
     pub(crate) robot: Vec<String>,
-    /// Robot file with the bridge to ROS 2 on which plans and progress are shown and requests taken (repeatable)
-    #[arg(long, value_name = "ROBOT.toml")]
-    pub(crate) ros2: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) execution: ExecutionArguments,
     #[command(flatten)]

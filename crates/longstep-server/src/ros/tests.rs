@@ -14,10 +14,7 @@ use super::rate::Bucket;
 use super::{RosFace, RosOptions};
 use crate::{APPROVAL_LIFETIME, Body, Hub, SessionId};
 
-#[path = "../../tests/support/mod.rs"]
-mod support;
-
-use support::{hub, simulated};
+use crate::support::{hub, simulated};
 
 const LONGEST: Duration = Duration::from_secs(20);
 
