@@ -2,6 +2,7 @@
 
 #![allow(dead_code, clippy::unwrap_used, missing_docs, unreachable_pub)]
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -91,8 +92,8 @@ pub fn simulated(name: &str, options: SimOptions, body: Body) -> RobotEntry {
     RobotEntry::new(name, "sim", Arc::new(open)).with_body(body)
 }
 
-pub fn store(folder: &TempDir) -> Arc<dyn Store> {
-    Arc::new(FileStore::open(&folder.path().join("sessions")).unwrap())
+pub fn store(folder: &Path) -> Arc<dyn Store> {
+    Arc::new(FileStore::open(&folder.join("sessions")).unwrap())
 }
 
 /// Opens a hub with the scripted model and these robots. One that a test has dropped may take a moment to end.
@@ -103,7 +104,7 @@ pub fn hub(folder: &TempDir, robots: Vec<RobotEntry>) -> Arc<Hub> {
         let models = Models::open(Arc::new(open), 1, 8).unwrap();
         let scenes = vec![Scene::new("desk", "household", DESK, "Put the pen on the shelf")];
         let domains = Domains::new(&[], scenes).unwrap();
-        let configuration = Configuration::new(store(folder), domains);
+        let configuration = Configuration::new(store(folder.path()), domains);
         match Hub::open(configuration.with_models(models).with_robots(robots.clone())) {
             Ok(hub) => return hub,
             Err(problem) => assert!(began.elapsed() < Duration::from_secs(10), "{problem}"),
