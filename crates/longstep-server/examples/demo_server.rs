@@ -26,13 +26,13 @@ use support::{Scripted, simulated, store};
 
 /// What the model answers, by words of the instruction or the feedback.
 const ANSWERS: [(&str, &str); 9] = [
+    ("cereal instead", "put(cereal, counter)"),
     ("juice on top of the shelf", "put(juice, shelf top)"),
     (
         "everything fragile",
         r#"{"goal": "put(cereal, counter)", "left_out": ["be careful with everything fragile"], "question": ""}"#,
     ),
     ("cereal on the counter", "put(cereal, counter)"),
-    ("cereal instead", r#"{"question": "", "goal": true, "edits": []}"#),
     ("butter on the counter", "put(butter, counter)"),
     ("the drink", "?Which drink?"),
     (
