@@ -1,6 +1,7 @@
 //! The server without a network: sessions, approvals and runs, which every face shares.
 
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use longstep::dialogue::ConstraintKind;
@@ -85,6 +86,9 @@ pub struct Hub {
     pub(crate) approvals: Approvals,
     pub(crate) feed: Arc<Feed>,
     sessions: Mutex<HashMap<SessionId, Arc<Hosted>>>,
+    /// One of them, chosen by the id, is held while a session is read from its log: two copies of a session would each
+    /// add to the log.
+    opening: [Mutex<()>; 32],
     pub(crate) runs: Mutex<HashMap<RunId, Arc<HostedRun>>>,
     /// Held while a run is begun, so that of two for one session one is refused.
     pub(crate) beginning: Mutex<()>,
@@ -155,6 +159,7 @@ impl Hub {
             audit,
             feed: Arc::default(),
             sessions: Mutex::default(),
+            opening: Default::default(),
             runs: Mutex::default(),
             beginning: Mutex::default(),
             queues: Queues::default(),
@@ -268,14 +273,19 @@ impl Hub {
         if self.store.changed_at(&log)?.is_none() {
             return Err(Problem::missing("session", id));
         }
-        self.store.own(&log)?;
-        let session = resumed(self.store.as_ref(), id, &self.domains).inspect_err(|_| self.store.release(&log))?;
-        // Two requests at once read the log twice; the first one stays.
+        let mut hasher = DefaultHasher::new();
+        id.hash(&mut hasher);
+        let lock = &self.opening[hasher.finish() as usize % self.opening.len()];
+        let _opening = lock.lock().unwrap_or_else(PoisonError::into_inner);
+        // Of two requests at once, the first has read the log.
         if let Some(hosted) = self.resident().get(id) {
             return Ok(Arc::clone(hosted));
         }
+        self.store.own(&log)?;
+        let session = resumed(self.store.as_ref(), id, &self.domains).inspect_err(|_| self.store.release(&log))?;
         let hosted = self.admit(id.clone(), session)?;
         self.settle_runs(&hosted)?;
+        self.think_on(&hosted);
         Ok(hosted)
     }
 

@@ -96,6 +96,8 @@ impl Hub {
         };
         let text = serde_json::to_string(&record).unwrap_or_default();
         self.store.insert(&RecordKey::Run(run.clone()), &text)?;
+        // With its log, a run is listed after a restart.
+        self.store.own(&LogName::Run(run.clone()))?;
         let start = Start::Plan {
             plan: Box::new(accepted.plan.clone()),
             aim: Aim::from((!goal_of(accepted).is_empty()).then(|| goal_of(accepted).join(" & "))),
@@ -263,6 +265,12 @@ impl Hub {
         let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
         self.refuse_during_run(&record.session)?;
         let hosted = self.hosted(&record.session)?;
+        let snapshot = hosted.snapshot();
+        let next = snapshot.view.accepted.iter().find(|accepted| accepted.pending);
+        if !next.is_some_and(|next| next.number == record.number && next.plan == record.plan) {
+            return Err(Problem::conflict("the plan of the run does not wait for a robot any more")
+                .hint("it was undone, or carried out by another run"));
+        }
         let (domain, events) = self.run_log(id)?;
         let planner = self.domains.planner(&domain)?;
         let Some(Event::Began { environment, .. }) = events.first() else {
@@ -276,9 +284,12 @@ impl Hub {
         self.queue(&run, hosted, Start::Log { events, world })
     }
 
-    /// Reads the log of a run: the domain, and the events.
+    /// Reads the log of a run: the domain, and the events. A run that has not begun has none.
     fn run_log(&self, id: &RunId) -> Result<(String, Vec<Event>), Problem> {
         let bytes = self.store.read(&LogName::Run(id.clone()))?.unwrap_or_default();
+        if !bytes.contains(&b'\n') {
+            return Ok((String::new(), Vec::new()));
+        }
         let text = String::from_utf8_lossy(&bytes);
         let read = RunLog::parse(Path::new(id.as_str()), &text);
         let (header, events) =
@@ -367,6 +378,14 @@ fn end_of(events: &[Event]) -> (RunState, Option<EndView>) {
             };
             (RunState::Stopped, Some(end))
         }
-        _ => (RunState::Interrupted, None),
+        Some(_) => (RunState::Interrupted, None),
+        None => {
+            let end = EndView {
+                done: false,
+                text: "the server ended before the run began; nothing has moved".to_owned(),
+                resumable: false,
+            };
+            (RunState::Stopped, Some(end))
+        }
     }
 }
