@@ -1,6 +1,6 @@
 //! The server without a network: sessions, approvals and runs, which every face shares.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -90,6 +90,8 @@ pub struct Hub {
     /// add to the log.
     opening: [Mutex<()>; 32],
     pub(crate) runs: Mutex<HashMap<RunId, Arc<HostedRun>>>,
+    /// The runs of this server whose views have their steps, in the order of their beginnings.
+    pub(crate) whole_runs: Mutex<VecDeque<Arc<HostedRun>>>,
     /// Held while a run is begun, so that of two for one session one is refused.
     pub(crate) beginning: Mutex<()>,
     pub(crate) queues: Queues,
@@ -161,6 +163,7 @@ impl Hub {
             sessions: Mutex::default(),
             opening: Default::default(),
             runs: Mutex::default(),
+            whole_runs: Mutex::default(),
             beginning: Mutex::default(),
             queues: Queues::default(),
         };

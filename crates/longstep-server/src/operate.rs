@@ -20,6 +20,9 @@ use crate::run::{EndView, HostedRun, RunRecord, RunState, RunView, Start, Task};
 use crate::store::{LogName, RecordKey};
 use crate::view::{accepted_hash, goal_of};
 
+/// The most runs whose views keep their steps.
+const WHOLE_RUNS: usize = 512;
+
 impl Hub {
     /// Approves the next accepted plan of a session for a robot. It names the hash that the person saw.
     ///
@@ -111,6 +114,7 @@ impl Hub {
         let entry = self.robot(&run.record().robot)?.clone();
         let body = Self::body(&entry, &run.record().session);
         self.hosted_runs().insert(run.record().id.clone(), Arc::clone(run));
+        self.shorten_runs(run);
         let task = Task {
             run: Arc::clone(run),
             entry,
@@ -132,6 +136,21 @@ impl Hub {
             });
         }
         queued.map(|()| run.view())
+    }
+
+    /// Shortens the views of the runs that ended before the last ones, so that a long life of the server does not fill the
+    /// memory. The new run is one of those that are not shortened.
+    fn shorten_runs(&self, new: &Arc<HostedRun>) {
+        let mut whole = self.whole_runs.lock().unwrap_or_else(PoisonError::into_inner);
+        whole.push_back(Arc::clone(new));
+        for _ in WHOLE_RUNS..whole.len() {
+            let Some(oldest) = whole.pop_front() else { break };
+            if oldest.view().state.is_ended() {
+                oldest.shorten();
+            } else {
+                whole.push_back(oldest);
+            }
+        }
     }
 
     pub(crate) fn hosted_runs(&self) -> MutexGuard<'_, HashMap<RunId, Arc<HostedRun>>> {
