@@ -287,8 +287,10 @@ impl Hub {
         let snapshot = hosted.snapshot();
         let next = snapshot.view.accepted.iter().find(|accepted| accepted.pending);
         if !next.is_some_and(|next| next.number == record.number && next.plan == record.plan) {
-            return Err(Problem::conflict("the plan of the run does not wait for a robot any more")
-                .hint("it was undone, or carried out by another run"));
+            return Err(
+                Problem::conflict("the plan of the run does not wait for a robot any more")
+                    .hint("it was undone, or carried out by another run"),
+            );
         }
         let (domain, events) = self.run_log(id)?;
         let planner = self.domains.planner(&domain)?;
