@@ -11,15 +11,16 @@ import time
 class Server:
     """A server on a free port of this machine, with its files in a folder."""
 
-    def __init__(self, program, folder, minutes=10):
+    def __init__(self, program, folder, minutes=10, variables=None):
         self.program, self.folder, self.minutes = str(program), str(folder), str(minutes)
+        self.environment = {**os.environ, **(variables or {})}
         self.process, self.port, self.token = None, 0, ""
         self.start()
 
     def start(self):
         """Starts the program, also again after `kill` on the same folder, and waits for its address."""
         command = [self.program, self.minutes, self.folder]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=self.environment)
         line = self.process.stdout.readline()
         found = re.search(r"127\.0\.0\.1:(\d+)/\?token=(\w+)", line)
         if not found:

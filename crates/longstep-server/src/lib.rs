@@ -31,6 +31,7 @@ mod operate;
 mod page;
 mod problem;
 mod run;
+mod session_locks;
 mod store;
 mod talk;
 mod view;

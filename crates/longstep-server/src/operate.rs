@@ -65,7 +65,7 @@ impl Hub {
     pub fn start(&self, approval: &ApprovalId, urgent: bool, by: &str) -> Result<Arc<RunView>, Problem> {
         let approval = self.approvals.find(approval)?;
         let hosted = self.hosted(&approval.session)?;
-        let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
+        let _beginning = self.beginning.lock(&approval.session);
         self.refuse_during_run(&approval.session)?;
         let snapshot = hosted.snapshot();
         let entry = self.robot(&approval.robot)?.clone();
@@ -281,7 +281,7 @@ impl Hub {
             return Err(Problem::conflict("the run cannot be resumed"));
         }
         let record = run.record().clone();
-        let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
+        let _beginning = self.beginning.lock(&record.session);
         self.refuse_during_run(&record.session)?;
         let hosted = self.hosted(&record.session)?;
         let snapshot = hosted.snapshot();

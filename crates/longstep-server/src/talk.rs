@@ -173,6 +173,7 @@ impl Hub {
     /// Another plan, or none, waits for a decision; a robot carries out a plan that this one would take the place of.
     pub fn accept(&self, id: &SessionId, plan: &str, by: &str) -> Result<Arc<Snapshot>, Problem> {
         let hosted = self.hosted(id)?;
+        let _beginning = self.beginning.lock(id);
         let accepted = hosted.change(|session| {
             let shown = session.proposal().map(proposal_hash);
             if shown.as_deref() != Some(plan) {
