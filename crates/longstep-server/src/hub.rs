@@ -1,6 +1,6 @@
 //! The server without a network: sessions, approvals and runs, which every face shares.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use longstep::dialogue::ConstraintKind;
@@ -15,6 +15,7 @@ use crate::id::{RunId, SessionId};
 use crate::models::Models;
 use crate::problem::{Problem, ProblemKind};
 use crate::run::{Body, HostedRun, Queues, RobotEntry};
+use crate::session_locks::SessionLocks;
 use crate::store::{LogName, Store};
 use crate::view::Snapshot;
 
@@ -85,9 +86,13 @@ pub struct Hub {
     pub(crate) approvals: Approvals,
     pub(crate) feed: Arc<Feed>,
     sessions: Mutex<HashMap<SessionId, Arc<Hosted>>>,
+    /// Held while a session is read from its log: two copies of a session would each add to the log.
+    opening: SessionLocks,
     pub(crate) runs: Mutex<HashMap<RunId, Arc<HostedRun>>>,
-    /// Held while a run is begun, so that of two for one session one is refused.
-    pub(crate) beginning: Mutex<()>,
+    /// The runs of this server whose views have their steps, in the order of their beginnings.
+    pub(crate) whole_runs: Mutex<VecDeque<Arc<HostedRun>>>,
+    /// Held while a run is begun, so that of two for one session one is refused, and while a plan is accepted.
+    pub(crate) beginning: SessionLocks,
     pub(crate) queues: Queues,
 }
 
@@ -155,8 +160,10 @@ impl Hub {
             audit,
             feed: Arc::default(),
             sessions: Mutex::default(),
+            opening: SessionLocks::default(),
             runs: Mutex::default(),
-            beginning: Mutex::default(),
+            whole_runs: Mutex::default(),
+            beginning: SessionLocks::default(),
             queues: Queues::default(),
         };
         hub.load_runs()?;
@@ -275,14 +282,16 @@ impl Hub {
         if self.store.changed_at(&log)?.is_none() {
             return Err(Problem::missing("session", id));
         }
-        self.store.own(&log)?;
-        let session = resumed(self.store.as_ref(), id, &self.domains).inspect_err(|_| self.store.release(&log))?;
-        // Two requests at once read the log twice; the first one stays.
+        let _opening = self.opening.lock(id);
+        // Of two requests at once, the first has read the log.
         if let Some(hosted) = self.resident().get(id) {
             return Ok(Arc::clone(hosted));
         }
+        self.store.own(&log)?;
+        let session = resumed(self.store.as_ref(), id, &self.domains).inspect_err(|_| self.store.release(&log))?;
         let hosted = self.admit(id.clone(), session)?;
         self.settle_runs(&hosted)?;
+        self.think_on(&hosted);
         Ok(hosted)
     }
 

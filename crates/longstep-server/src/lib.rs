@@ -38,6 +38,7 @@ mod problem;
 mod recording;
 pub mod ros;
 mod run;
+mod session_locks;
 mod store;
 mod talk;
 mod view;

@@ -20,6 +20,9 @@ use crate::run::{EndView, HostedRun, RunRecord, RunState, RunView, Start, Task};
 use crate::store::{LogName, RecordKey};
 use crate::view::{accepted_hash, goal_of};
 
+/// The most runs whose views keep their steps.
+const WHOLE_RUNS: usize = 512;
+
 impl Hub {
     /// Approves the next accepted plan of a session for a robot. It names the hash that the person saw.
     ///
@@ -62,7 +65,7 @@ impl Hub {
     pub fn start(&self, approval: &ApprovalId, urgent: bool, by: &str) -> Result<Arc<RunView>, Problem> {
         let approval = self.approvals.find(approval)?;
         let hosted = self.hosted(&approval.session)?;
-        let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
+        let _beginning = self.beginning.lock(&approval.session);
         self.refuse_during_run(&approval.session)?;
         let snapshot = hosted.snapshot();
         let entry = self.robot(&approval.robot)?.clone();
@@ -96,6 +99,8 @@ impl Hub {
         };
         let text = serde_json::to_string(&record).unwrap_or_default();
         self.store.insert(&RecordKey::Run(run.clone()), &text)?;
+        // With its log, a run is listed after a restart.
+        self.store.own(&LogName::Run(run.clone()))?;
         let start = Start::Plan {
             plan: Box::new(accepted.plan.clone()),
             aim: Aim::from((!goal_of(accepted).is_empty()).then(|| goal_of(accepted).join(" & "))),
@@ -109,6 +114,7 @@ impl Hub {
         let entry = self.robot(&run.record().robot)?.clone();
         let body = Self::body(&entry, &run.record().session);
         self.hosted_runs().insert(run.record().id.clone(), Arc::clone(run));
+        self.shorten_runs(run);
         let task = Task {
             run: Arc::clone(run),
             entry,
@@ -130,6 +136,21 @@ impl Hub {
             });
         }
         queued.map(|()| run.view())
+    }
+
+    /// Shortens the views of the runs that ended before the last ones, so that a long life of the server does not fill the
+    /// memory. The new run is one of those that are not shortened.
+    fn shorten_runs(&self, new: &Arc<HostedRun>) {
+        let mut whole = self.whole_runs.lock().unwrap_or_else(PoisonError::into_inner);
+        whole.push_back(Arc::clone(new));
+        for _ in WHOLE_RUNS..whole.len() {
+            let Some(oldest) = whole.pop_front() else { break };
+            if oldest.view().state.is_ended() {
+                oldest.shorten();
+            } else {
+                whole.push_back(oldest);
+            }
+        }
     }
 
     pub(crate) fn hosted_runs(&self) -> MutexGuard<'_, HashMap<RunId, Arc<HostedRun>>> {
@@ -260,9 +281,17 @@ impl Hub {
             return Err(Problem::conflict("the run cannot be resumed"));
         }
         let record = run.record().clone();
-        let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
+        let _beginning = self.beginning.lock(&record.session);
         self.refuse_during_run(&record.session)?;
         let hosted = self.hosted(&record.session)?;
+        let snapshot = hosted.snapshot();
+        let next = snapshot.view.accepted.iter().find(|accepted| accepted.pending);
+        if !next.is_some_and(|next| next.number == record.number && next.plan == record.plan) {
+            return Err(
+                Problem::conflict("the plan of the run does not wait for a robot any more")
+                    .hint("it was undone, or carried out by another run"),
+            );
+        }
         let (domain, events) = self.run_log(id)?;
         let planner = self.domains.planner(&domain)?;
         let Some(Event::Began { environment, .. }) = events.first() else {
@@ -276,9 +305,12 @@ impl Hub {
         self.queue(&run, hosted, Start::Log { events, world })
     }
 
-    /// Reads the log of a run: the domain, and the events.
+    /// Reads the log of a run: the domain, and the events. A run that has not begun has none.
     fn run_log(&self, id: &RunId) -> Result<(String, Vec<Event>), Problem> {
         let bytes = self.store.read(&LogName::Run(id.clone()))?.unwrap_or_default();
+        if !bytes.contains(&b'\n') {
+            return Ok((String::new(), Vec::new()));
+        }
         let text = String::from_utf8_lossy(&bytes);
         let read = RunLog::parse(Path::new(id.as_str()), &text);
         let (header, events) =
@@ -367,6 +399,14 @@ fn end_of(events: &[Event]) -> (RunState, Option<EndView>) {
             };
             (RunState::Stopped, Some(end))
         }
-        _ => (RunState::Interrupted, None),
+        Some(_) => (RunState::Interrupted, None),
+        None => {
+            let end = EndView {
+                done: false,
+                text: "the server ended before the run began; nothing has moved".to_owned(),
+                resumable: false,
+            };
+            (RunState::Stopped, Some(end))
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use longstep::session::Session;
+use longstep::session::{Response, Session};
 
 use crate::audit::Deed;
 use crate::hosted::Hosted;
@@ -102,7 +102,26 @@ impl Hub {
         Ok(Waiting::new(hosted))
     }
 
-    pub(crate) fn say_to(self: &Arc<Self>, hosted: &Arc<Hosted>, said: &Said) -> Result<(), Problem> {
+    pub(crate) fn say_to(&self, hosted: &Arc<Hosted>, said: &Said) -> Result<(), Problem> {
+        self.think(hosted, |session| said.apply(session))
+    }
+
+    /// Lets the model go on for a session that was read from its log in the middle of a request: the server that asked it
+    /// has ended. Without a model, the request is cancelled.
+    pub(crate) fn think_on(&self, hosted: &Arc<Hosted>) {
+        let is_waiting = hosted.look(|session| matches!(session.response(), Response::Waiting));
+        if is_waiting && self.think(hosted, |_| Ok(())).is_err() {
+            // It may have been cancelled already.
+            let _ = hosted.change(|session| Ok(session.cancel()?));
+        }
+    }
+
+    /// Lets the model work for a session after a change.
+    fn think(
+        &self,
+        hosted: &Arc<Hosted>,
+        change: impl FnOnce(&mut Session) -> Result<(), Problem>,
+    ) -> Result<(), Problem> {
         let models = self.models_or_problem()?;
         if !hosted.begin_thinking() {
             return Err(Problem::conflict("a model works for this session already")
@@ -117,7 +136,7 @@ impl Hub {
             if *session.model() != facts {
                 session.set_model(facts);
             }
-            said.apply(session)
+            change(session)
         });
         let submitted = begun.and_then(|()| {
             models.submit(job).inspect_err(|_| {
@@ -148,9 +167,10 @@ impl Hub {
     ///
     /// # Errors
     ///
-    /// Another plan, or none, waits for a decision.
+    /// Another plan, or none, waits for a decision; a robot carries out a plan that this one would take the place of.
     pub fn accept(&self, id: &SessionId, plan: &str, by: &str) -> Result<Arc<Snapshot>, Problem> {
         let hosted = self.hosted(id)?;
+        let _beginning = self.beginning.lock(id);
         let accepted = hosted.change(|session| {
             let shown = session.proposal().map(proposal_hash);
             if shown.as_deref() != Some(plan) {
@@ -159,6 +179,9 @@ impl Hub {
                     None => "no plan waits for a decision",
                 })
                 .hint("look at the session again"));
+            }
+            if session.replaces_pending() {
+                self.refuse_during_run(id)?;
             }
             self.audit.add(
                 by,

@@ -363,6 +363,24 @@ fn nothing_is_done_for_those_who_may_not() {
 }
 
 #[test]
+fn idle_connections_keep_nobody_out() {
+    let served = served("");
+    let idle: Vec<_> = (0..1_100)
+        .map(|_| TcpStream::connect(served.address).unwrap())
+        .collect();
+    // A request arrives after them, and is answered.
+    assert_eq!(served.get("/api/server")["version"], env!("CARGO_PKG_VERSION"));
+    let mut first = idle.into_iter().next().unwrap();
+    first.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    let mut text = String::new();
+    first.read_to_string(&mut text).unwrap();
+    assert!(text.contains("503") && text.contains("too many connections"), "{text}");
+    // A connection without the token ends with its answer.
+    let stranger = format!("GET /api/server HTTP/1.1\r\nHost: {}\r\n\r\n", served.address);
+    assert_eq!(served.raw(stranger.as_bytes()).status, 401);
+}
+
+#[test]
 fn events_are_resumed_from_an_id() {
     let served = served("");
     let request = |after: &str| {

@@ -63,6 +63,7 @@ fn operation(route: &Route) -> Value {
     let mut operation = json!({
         "operationId": route.name,
         "summary": route.summary,
+        "tags": [route.group()],
         "parameters": parameters(route.path, is_say),
         "responses": responses,
     });
@@ -91,6 +92,7 @@ fn events() -> Value {
     let query = |name: &str, description: &str| json!({"name": name, "in": "query", "required": false, "description": description, "schema": {"type": "string"}});
     json!({
         "operationId": "events",
+        "tags": ["server"],
         "summary": "The live stream as server-sent events: `happened` with a change, `reset` when states are to be read anew",
         "parameters": [
             query("session", "Only events of this session"),

@@ -53,8 +53,20 @@ async fn guarded(State(shared): State<Shared>, request: Request, next: Next) -> 
     let wants_page = pages::wants_page(&request);
     let mut response = match admitted(&shared, request, next).await {
         Ok(response) => response,
-        Err(problem) if wants_page => pages::failed(&problem),
-        Err(problem) => problem.into_response(),
+        Err(problem) => {
+            let is_stranger = matches!(problem.kind, ProblemKind::Unknown | ProblemKind::Forbidden);
+            let mut response = if wants_page {
+                pages::failed(&problem)
+            } else {
+                problem.into_response()
+            };
+            if is_stranger {
+                // Nobody without the token holds a connection.
+                let close = HeaderValue::from_static("close");
+                response.headers_mut().insert(header::CONNECTION, close);
+            }
+            response
+        }
     };
     for (name, value) in HEADERS {
         response.headers_mut().insert(name, HeaderValue::from_static(value));

@@ -19,6 +19,18 @@ pub(crate) struct Route {
     pub(crate) handler: MethodRouter<Shared>,
 }
 
+impl Route {
+    /// Returns the group of the operation in the description, by which generated clients are divided into modules.
+    pub(crate) fn group(&self) -> &'static str {
+        match self.path.split('/').nth(2) {
+            Some("sessions") => "sessions",
+            Some("runs" | "stop") => "runs",
+            Some("plan" | "verify" | "repair" | "solve") => "plans",
+            _ => "server",
+        }
+    }
+}
+
 macro_rules! routes {
     ($($method:ident $path:literal $name:ident ($body:expr) -> $status:literal $answer:literal : $summary:literal = $handler:expr;)*) => {
         vec![$(Route {
@@ -48,7 +60,7 @@ pub(crate) fn routes() -> Vec<Route> {
         post "/api/sessions/{id}/answer" answer (Some("Words")) -> 200 "Session": "Answer the question" = api::answer;
         post "/api/sessions/{id}/feedback" feedback (Some("Words")) -> 200 "Session": "Say what is to be different" = api::feedback;
         post "/api/sessions/{id}/cancel" cancel (None) -> 200 "Session": "Cancel the instruction, or the work of the model" = api::cancel;
-        post "/api/sessions/{id}/accept" accept (Some("Hash")) -> 200 "Session": "Accept the plan with this hash; nothing moves" = api::accept;
+        post "/api/sessions/{id}/accept" accept (Some("PlanHash")) -> 200 "Session": "Accept the plan with this hash; nothing moves" = api::accept;
         post "/api/sessions/{id}/undo" undo (None) -> 200 "Session": "Revert the last accepted plan" = api::undo;
         post "/api/sessions/{id}/ended" ended (Some("Ending")) -> 200 "Session": "Say which ending the last plan had" = api::ended;
         post "/api/sessions/{id}/observed" observed (Some("Observation")) -> 200 "Session": "Report what the world is like" = api::observed;

@@ -97,6 +97,14 @@ impl HostedRun {
         });
     }
 
+    /// Drops what is large in the view of a run that has ended; the log has it.
+    pub(crate) fn shorten(&self) {
+        let mut shown = self.view.write().unwrap_or_else(PoisonError::into_inner);
+        let mut short = RunView::new(self.record.clone(), shown.state);
+        (short.dry_run, short.events, short.end) = (shown.dry_run, shown.events, shown.end.clone());
+        *shown = Arc::new(short);
+    }
+
     fn answer(&self) -> MutexGuard<'_, Option<bool>> {
         self.answer.lock().unwrap_or_else(PoisonError::into_inner)
     }
