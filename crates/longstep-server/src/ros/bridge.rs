@@ -183,11 +183,7 @@ impl Bridge {
             }
             Ok(Incoming::Status {
                 is_error: true, text, ..
-            }) => {
-                if self.refusals.take(Instant::now()) {
-                    self.notify(&format!("the bridge refused a message: {text}"));
-                }
-            }
+            }) if self.refusals.take(Instant::now()) => self.notify(&format!("the bridge refused a message: {text}")),
             _ => {}
         }
     }

@@ -14,6 +14,7 @@ use super::rate::Bucket;
 use super::{RosFace, RosOptions};
 use crate::{APPROVAL_LIFETIME, Body, Hub, SessionId};
 
+#[expect(clippy::duplicate_mod, reason = "the tests of the page share it too")]
 #[path = "../../tests/support/mod.rs"]
 mod support;
 
