@@ -20,9 +20,9 @@ use std::time::{Duration, Instant};
 use longstep_robot::ros2::Configuration;
 use longstep_robot::{OpenOptions, RobotReference, SimOptions};
 use longstep_server::ros::{RosFace, RosOptions};
-use longstep_server::{APPROVAL_LIFETIME, Body, Hub, RobotEntry, SessionId};
+use longstep_server::{APPROVAL_LIFETIME, Body, Hub, RobotEntry, RunId, RunState, SessionId};
 use serde_json::{Value, json};
-use support::{DESK, hub, simulated};
+use support::{DESK, hub, simulated, until};
 use tempfile::TempDir;
 
 const LONGEST: Duration = Duration::from_secs(60);
@@ -307,6 +307,9 @@ fn a_robot_of_the_same_bridge_carries_out_what_a_node_asked_for() {
         (&json!(true), &json!("arm")),
         "{begun}"
     );
+    let run = RunId::parse(begun["run"].as_str().unwrap()).unwrap();
+    let ended = until(&bench.hub, &run, |run| run.state.is_ended());
+    assert_eq!(ended.state, RunState::Done, "{ended:#?}");
     let done = bench.see("progress", &json!({"id": begun["run"], "state": "done"}));
     let journal = std::fs::read_to_string(bench.folder.path().join("journal")).unwrap();
     let performed = journal.lines().filter(|line| line.starts_with("done")).count();
