@@ -17,12 +17,12 @@ use std::sync::atomic::{AtomicU16, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use longstep_robot::SimOptions;
 use longstep_robot::ros2::Configuration;
+use longstep_robot::{OpenOptions, RobotReference, SimOptions};
 use longstep_server::ros::{RosFace, RosOptions};
-use longstep_server::{APPROVAL_LIFETIME, Body, Hub, SessionId};
+use longstep_server::{APPROVAL_LIFETIME, Body, Hub, RobotEntry, RunId, RunState, SessionId};
 use serde_json::{Value, json};
-use support::{hub, simulated};
+use support::{DESK, hub, simulated, until};
 use tempfile::TempDir;
 
 const LONGEST: Duration = Duration::from_secs(60);
@@ -63,6 +63,7 @@ struct Bench {
     hub: Arc<Hub>,
     face: RosFace,
     bridge: Option<Program>,
+    robot: Option<Program>,
     commands: ChildStdin,
     results: BufReader<ChildStdout>,
     _caller: Program,
@@ -73,7 +74,7 @@ impl Bench {
         let folder = tempfile::tempdir().unwrap();
         // Each step takes a moment, so that progress is seen.
         let options: SimOptions = "ticks=1,pace=150".parse().unwrap();
-        let hub = hub(&folder, vec![simulated("sim", options, Body::PerSession)]);
+        let simulated = simulated("sim", options, Body::PerSession);
         let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let number = u32::from(NEXT_DOMAIN.fetch_add(1, Ordering::SeqCst)) + std::process::id();
         let domain = (1 + number % 100).to_string();
@@ -81,7 +82,12 @@ impl Bench {
         let toml = std::fs::read_to_string(toml)
             .unwrap()
             .replace("9090", &port.to_string());
-        let configuration = Configuration::parse("robot.toml", &format!("{toml}\n[serve]\n{serving}\n")).unwrap();
+        let file = folder.path().join("robot.toml");
+        std::fs::write(&file, format!("{toml}\n[serve]\n{serving}\n")).unwrap();
+        let configuration = Configuration::parse("robot.toml", &std::fs::read_to_string(&file).unwrap()).unwrap();
+        let reference: RobotReference = format!("ros2:{}", file.display()).parse().unwrap();
+        let arm = RobotEntry::of_reference("arm", &reference, &OpenOptions::default().with_live(true));
+        let hub = hub(&folder, vec![simulated, arm]);
         let face = RosFace::start(Arc::clone(&hub), RosOptions::new(&configuration)).unwrap();
         let mut caller = Program::start(
             Command::new(installation().join("python"))
@@ -105,6 +111,7 @@ impl Bench {
             hub,
             face,
             bridge: None,
+            robot: None,
             commands,
             results,
             _caller: caller,
@@ -130,6 +137,26 @@ impl Bench {
             assert!(begun.elapsed() < LONGEST, "the server does not connect");
             thread::sleep(Duration::from_millis(10));
         }
+    }
+
+    /// Starts the robot that `arm` moves, in the world of the sessions.
+    fn start_robot(&mut self) {
+        let environment = self.folder.path().join("desk.json");
+        std::fs::write(&environment, DESK).unwrap();
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../longstep-cli/tests/robots/ros2_robot.py");
+        let mut command = Command::new(installation().join("python"));
+        command
+            .arg(script)
+            .args([&environment, self.folder.path()])
+            .env("ROS_DOMAIN_ID", &self.domain)
+            .stdout(Stdio::piped())
+            .stderr(File::create(self.folder.path().join("robot.log")).unwrap());
+        let mut robot = Program::start(&mut command);
+        let mut line = String::new();
+        let mut output = BufReader::new(robot.0.stdout.take().unwrap());
+        output.read_line(&mut line).unwrap();
+        assert_eq!(line, "ready\n");
+        self.robot = Some(robot);
     }
 
     fn stop_bridge(&mut self) {
@@ -243,7 +270,10 @@ fn a_bridge_that_is_killed_and_started_again_works_again() {
             "round {round}"
         );
     }
-    let begun = bench.ask("execute", &json!({"plan": plan, "session": session, "caller": "cell"}));
+    let begun = bench.ask(
+        "execute",
+        &json!({"plan": plan, "session": session, "caller": "cell", "robot": "sim"}),
+    );
     assert_eq!(begun["ok"], true, "{begun}");
     // Killed while the robot moves: the run goes on, and its end is shown afterwards.
     bench.see("progress", &json!({"id": begun["run"], "state": "running"}));
@@ -251,10 +281,46 @@ fn a_bridge_that_is_killed_and_started_again_works_again() {
     bench.start_bridge();
     bench.see("progress", &json!({"id": begun["run"], "state": "done"}));
     check_refused(
-        &bench.ask("execute", &json!({"plan": plan, "session": session, "caller": "cell"})),
+        &bench.ask(
+            "execute",
+            &json!({"plan": plan, "session": session, "caller": "cell", "robot": "sim"}),
+        ),
         "no accepted plan waits",
     );
     assert_eq!((bench.hub.runs().len(), bench.face.connections()), (1, 4));
+}
+
+#[test]
+#[ignore = "needs LONGSTEP_ROS2"]
+fn a_robot_of_the_same_bridge_carries_out_what_a_node_asked_for() {
+    let mut bench = Bench::new("");
+    bench.start_robot();
+    let (session, plan) = bench.planned("Put the pen on the shelf");
+    bench.hub.accept(&session, &plan, "ada").unwrap();
+    bench
+        .hub
+        .approve(&session, &plan, "arm", "ada", APPROVAL_LIFETIME)
+        .unwrap();
+    let begun = bench.ask("execute", &json!({"plan": plan}));
+    assert_eq!(
+        (&begun["ok"], &begun["robot"]),
+        (&json!(true), &json!("arm")),
+        "{begun}"
+    );
+    let run = RunId::parse(begun["run"].as_str().unwrap()).unwrap();
+    let ended = until(&bench.hub, &run, |run| run.state.is_ended());
+    assert_eq!(ended.state, RunState::Done, "{ended:#?}");
+    let done = bench.see("progress", &json!({"id": begun["run"], "state": "done"}));
+    let journal = std::fs::read_to_string(bench.folder.path().join("journal")).unwrap();
+    let performed = journal.lines().filter(|line| line.starts_with("done")).count();
+    assert_eq!(performed, done["steps"].as_array().unwrap().len(), "{journal}");
+    // The recording of the run has these steps too.
+    let recording = bench.hub.recording(&bench.hub.runs()[0].record.id).unwrap();
+    let messages = mcap::MessageStream::new(&recording).unwrap().map(Result::unwrap);
+    let steps = messages.filter(|message| {
+        message.channel.topic == "/longstep/step" && String::from_utf8_lossy(&message.data).contains("performed")
+    });
+    assert_eq!(steps.count(), performed);
 }
 
 #[test]

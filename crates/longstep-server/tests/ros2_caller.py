@@ -30,8 +30,7 @@ class Caller:
         self.news = threading.Condition()
         self.seen = {name: [] for name in ("plan", "progress", "world", "say/response", "execute/response")}
         for name in self.seen:
-            self.node.create_subscription(String, f"{namespace}/{name}", self.keeper(self.seen[name]),
-                                          PLAIN if "/" in name else LATCHED)
+            self.node.create_subscription(String, f"{namespace}/{name}", self.keeper(self.seen[name]), LATCHED)
         self.requests = {kind: self.node.create_publisher(String, f"{namespace}/{kind}/request", PLAIN)
                          for kind in ("say", "execute")}
         self.number = 0
@@ -59,13 +58,13 @@ class Caller:
         return self.wait(found)
 
     def ask(self, kind, request):
-        # Without a subscriber on the other side a request would be lost, and so would its response.
+        # Without a subscriber on the other side a request would be lost. It may know of this publisher a moment later.
         deadline = time.monotonic() + LONGEST
-        response = f"{self.namespace}/{kind}/response"
-        while self.requests[kind].get_subscription_count() == 0 or self.node.count_publishers(response) == 0:
+        while self.requests[kind].get_subscription_count() == 0:
             if time.monotonic() > deadline:
                 return {"timeout": True}
             time.sleep(0.02)
+        time.sleep(0.5)
         self.number += 1
         own = {"id": self.number, **request}
         self.requests[kind].publish(String(data=json.dumps(own)))

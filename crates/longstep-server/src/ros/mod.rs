@@ -11,7 +11,7 @@
 //! | `say/request`, `say/response` | an instruction, an answer or feedback; the session when it is the person's turn |
 //! | `execute/request`, `execute/response` | the hash of a plan; the run, or the reason why there is none |
 //!
-//! The first three are latched. Invariants:
+//! The topics that go out are latched. Invariants:
 //!
 //! - A run begins only with an [`Approval`](crate::Approval) of that plan. A caller may approve only where `robot.toml`
 //!   says so, and then the audit log names it.

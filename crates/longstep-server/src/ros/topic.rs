@@ -105,7 +105,8 @@ impl Topics {
         }
         for asked in Asked::ALL {
             let topic = self.response(asked);
-            messages.push(rosbridge::advertise(&topic, &topic, TEXT, false));
+            // Latched too: a caller that the bridge has not discovered yet would miss its answer.
+            messages.push(rosbridge::advertise(&topic, &topic, TEXT, true));
             if self.has_services {
                 messages.push(rosbridge::advertise_service(&self.service(asked), REQUEST));
             }
