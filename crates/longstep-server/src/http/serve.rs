@@ -79,7 +79,8 @@ pub enum ServeError {
     Random(#[from] getrandom::Error),
 }
 
-/// Serves a hub until `ended` completes; then stops all robots. Blocks the thread.
+/// Serves a hub until `ended` completes; then stops all robots. Blocks the thread. Raises the limit of open files of the
+/// program to 4,096, as far as it may.
 ///
 /// # Errors
 ///
