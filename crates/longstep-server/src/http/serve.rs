@@ -103,7 +103,8 @@ pub enum ServeError {
     Mcp(#[from] crate::mcp::McpError),
 }
 
-/// Serves a hub until `ended` completes; then stops all robots. Blocks the thread.
+/// Serves a hub until `ended` completes; then stops all robots. Blocks the thread. Raises the limit of open files of the
+/// program to 4,096, as far as it may.
 ///
 /// # Errors
 ///
