@@ -1,6 +1,6 @@
 #!/bin/sh
 # Makes a browser and what drives it ready, once: prints the folder with node_modules.
-# chromium comes from Debian, playwright-core and axe-core from npm. The folder is $LONGSTEP_BROWSER_CACHE, or
+# chromium and, if it is missing, node come from Debian, playwright-core and axe-core from npm. The folder is $LONGSTEP_BROWSER_CACHE, or
 # longstep-browser in the cache of the user.
 set -eu
 
@@ -8,9 +8,13 @@ folder=${LONGSTEP_BROWSER_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/longstep-browse
 playwright=1.54.1
 axe=4.10.3
 
-if ! command -v chromium >/dev/null 2>&1; then
-    echo "browser.sh: installing chromium" >&2
-    apt-get install -y --no-install-recommends chromium >&2
+missing=
+command -v chromium >/dev/null 2>&1 || missing="chromium"
+command -v npm >/dev/null 2>&1 || missing="$missing nodejs npm"
+if [ -n "$missing" ]; then
+    echo "browser.sh: installing $missing" >&2
+    # shellcheck disable=SC2086
+    { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing; } >&2
 fi
 mark="$folder/ready-$playwright-$axe"
 if [ ! -e "$mark" ]; then

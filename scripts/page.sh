@@ -5,6 +5,7 @@ set -eu
 here=$(cd "$(dirname "$0")/.." && pwd)
 folder=$("$here/scripts/browser.sh")
 cd "$here"
-cargo build --quiet -p longstep-server --example demo_server
+# With the features of the tests, so that nothing is compiled twice.
+cargo build --quiet --workspace --example demo_server
 target=${CARGO_TARGET_DIR:-$here/target}
 exec node crates/longstep-server/tests/page/page.mjs "$target/debug/examples/demo_server" "$folder" "${1:-}" "${2:-}"

@@ -2,20 +2,21 @@
 #
 #     installed NAME [OPTION...]
 #
-# prints the path of its Python. The packages are those of examples/robots/NAME/requirements.txt; the options go to pip.
+# prints the path of its Python. The packages are those of examples/robots/NAME/requirements.txt, or of the file in
+# $requirements if it is set; the options go to pip.
 # With `--installed` as the script's own argument it only looks, and fails if they are not installed.
 
 installed() {
-    local name=$1 cache mark folder requirements
+    local name=$1 cache mark folder
     shift
-    requirements="$here/../../examples/robots/$name/requirements.txt"
+    local requirements="${requirements:-$here/../../examples/robots/$name/requirements.txt}"
     cache="${LONGSTEP_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/longstep}/robots"
     # Other requirements get an environment of their own.
     mark=$(python3 -c 'import hashlib, sys; print(hashlib.sha256(open(sys.argv[1], "rb").read() + sys.version.encode()).hexdigest()[:12])' "$requirements")
     folder="$cache/$name-$mark"
     if [ ! -f "$folder/complete" ]; then
         if $only_look; then
-            printf 'error: the robot %s is not installed\nhint: run scripts/robots/%s.sh\n' "$name" "$name" >&2
+            printf 'error: %s is not installed\nhint: run %s\n' "$name" "$0" >&2
             return 1
         fi
         install_into "$folder" "$cache/$name.lock" "$requirements" "$@" || return 1

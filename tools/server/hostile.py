@@ -25,7 +25,7 @@ PATHS = [
     "/api/sessions/{}/feedback", "/api/sessions/{}/cancel", "/api/sessions/{}/accept", "/api/sessions/{}/undo", "/api/sessions/{}/ended",
     "/api/sessions/{}/observed", "/api/sessions/{}/approve", "/api/plan", "/api/verify", "/api/repair", "/api/solve", "/api/runs",
     "/api/runs/{}", "/api/runs/{}/decide", "/api/runs/{}/pause", "/api/runs/{}/continue", "/api/runs/{}/resume", "/api/runs/{}/stop",
-    "/api/stop", "/api/audit", "/openapi.json", "/sessions/{}", "/runs/{}", "/audit", "/sessions/{}/fragment", "/nothing", "//", "/%00", "/api",
+    "/api/stop", "/api/audit", "/openapi.json", "/api/runs/{}/mcap", "/sessions/{}", "/runs/{}", "/audit", "/sessions/{}/fragment", "/nothing", "//", "/%00", "/api",
 ]
 IDS = ["x", "..", "../../../etc/passwd", "%2e%2e%2f", "a" * 5000, "\u0000", "ключ", "-1", "{id}", "' OR 1=1 --", "<script>", "%ff%fe"]
 TEXTS = ["", "a" * 5000, "\u202e", "null", "<b>", "\ud83d\ude00", "-" * 100, "put(", "never " * 50, "put(pen, shelf)" * 100, "(" * 3000, "[" * 3000]

@@ -23,7 +23,7 @@ pub(crate) use model::{ModelArguments, ModelCommand};
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
 pub(crate) use run::{ApprovalArgument, ExecutionArguments, ObserveArgument, RunArguments, TrustArgument};
 pub(crate) use see::SeeArguments;
-pub(crate) use serve::ServeArguments;
+pub(crate) use serve::{AccessArguments, HubArguments, McpArguments, ServeArguments};
 pub(crate) use strategy::StrategyArguments;
 pub(crate) use teach::TeachArguments;
 pub(crate) use world::{DraftArguments, WorldArguments, domain_or_default, required};
@@ -61,8 +61,13 @@ pub(crate) enum Command {
     Teach(TeachArguments),
     /// Carry out a plan on a robot: monitor each step, and mend the plan when the world changes
     Run(RunArguments),
+    /// List the runs that were kept, and export one for other programs
+    #[command(subcommand)]
+    Runs(RunsCommand),
     /// Serve sessions, approvals and runs: a page for people, HTTP for programs
     Serve(Box<ServeArguments>),
+    /// Serve tools to a language-model agent (Model Context Protocol, on standard input and output)
+    Mcp(Box<McpArguments>),
     /// Check the configuration of a robot, or make an environment file from a running simulator
     #[command(subcommand)]
     Robot(RobotCommand),
@@ -132,6 +137,31 @@ pub(crate) enum SessionCommand {
         /// Name or folder of the session
         session: String,
     },
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum RunsCommand {
+    /// List the runs that were kept, with their names
+    List,
+    /// Write a run to a file in another format
+    Export {
+        /// Name of the run in `longstep runs list`, or its log
+        #[arg(value_name = "RUN")]
+        run: PathBuf,
+        /// Format: mcap, for Foxglove, Lichtblick and the tools of ROS
+        #[arg(long, value_enum, default_value_t = RunsFormat::Mcap)]
+        format: RunsFormat,
+        /// File to write
+        #[arg(long, short, value_name = "FILE")]
+        output: PathBuf,
+    },
+}
+
+/// A format of recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RunsFormat {
+    /// MCAP with JSON messages
+    Mcap,
 }
 
 #[derive(Debug, Args)]

@@ -15,9 +15,11 @@ mod exit_code;
 mod explain;
 mod export;
 mod failure;
+mod hub;
 mod input_lines;
 mod inputs;
 mod lanes;
+mod mcp;
 mod model;
 mod output;
 mod parsed_arguments;
@@ -29,7 +31,9 @@ mod project;
 mod question;
 mod repair;
 mod robot;
+mod ros;
 mod run;
+mod runs;
 mod see;
 mod serve;
 mod session;
@@ -66,7 +70,9 @@ fn run(command: &mut Command) -> anyhow::Result<u8> {
         Command::Repair(arguments) => repair::run(arguments),
         Command::Teach(arguments) => teach::run(arguments),
         Command::Run(arguments) => run::run(arguments),
+        Command::Runs(command) => runs::run(command),
         Command::Serve(arguments) => serve::run(arguments),
+        Command::Mcp(arguments) => mcp::run(arguments),
         Command::Robot(command) => robot::run(command),
         Command::Export(arguments) => export::run(arguments),
         Command::Solve(arguments) => solve::run(arguments),

@@ -30,6 +30,7 @@ use begin::Begun;
 use person::Person;
 
 pub(crate) use begin::{aim_of, execution, unfit};
+pub(crate) use list::{list, log_named};
 pub(crate) use person::{Decide, Question};
 pub(crate) use robot::{exit_code as robot_exit_code, failure as robot_failure, open};
 pub(crate) use view::{View, end};

@@ -1,86 +1,50 @@
 //! `longstep serve`: sessions, approvals and runs behind HTTP.
 
-use std::net::TcpListener;
+use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Result;
-use longstep::domain::Domain;
-use longstep_core::autonomy::Autonomy;
-use longstep_core::execution::Settings;
-use longstep_files::{read_text, session_directory};
-use longstep_llm::load_domain;
-use longstep_robot::{OpenOptions, RobotReference};
+use longstep_files::session_directory;
 use longstep_server::http::{Access, ServeOptions, Token, serve};
-use longstep_server::{
-    Configuration, Domains, FileStore, Hub, Models, PostgresOptions, PostgresStore, Problem, RobotEntry, Scene, Store,
-};
+use longstep_server::mcp::McpOptions;
+use longstep_server::{FileStore, Hub, PostgresOptions, PostgresStore, Store};
 
-use crate::arguments::{ExecutionArguments, ServeArguments, domain_or_default};
-use crate::ask;
-use crate::exit_code::{DONE, LIMIT, MODEL, ROBOT, UNREADABLE};
+use crate::arguments::{AccessArguments, ServeArguments};
+use crate::exit_code::{DONE, MODEL};
 use crate::failure::Failure;
-use crate::inputs;
+use crate::hub::{configuration, failure, start};
 use crate::output::{Style, print_line, remark};
+use crate::ros;
 use crate::signals;
 
 pub(crate) fn run(arguments: &ServeArguments) -> Result<u8> {
-    let listener = listener(arguments)?;
-    let address = listener.local_addr()?;
+    // Read before anything begins, so that a mistake in a file is known now.
+    let bridges = ros::bridges(&arguments.ros2)?;
     // The token is in a file, whatever the rest is in.
-    let files = store()?;
-    let token_file = match &arguments.token_file {
-        Some(file) => file.clone(),
-        None => files.folder().join("token"),
-    };
-    let store = match &arguments.store {
+    let files = FileStore::open(&session_directory()?).map_err(|error| failure(error.into()))?;
+    let page = Page::open(arguments.listen, &arguments.access, files.folder())?;
+    let store: Arc<dyn Store> = match &arguments.store {
         Some(address) => database(address)?,
-        None => files,
+        None => Arc::new(files),
     };
-    let token = Token::of_file(&token_file)
-        .map_err(|error| Failure::unreadable(error.to_string()).hint("name another file with `--token-file FILE`"))?;
-    let hub = Hub::open(configuration(arguments, store)?).map_err(failure)?;
-    print_line!("{} http://{address}/?token={}", "Longstep is at".bold(), token.text());
+    let configuration = configuration(&arguments.hub, store)?;
+    let mcp = McpOptions::new(start(&arguments.hub))
+        .with_robot(configuration.robots.first().map(|robot| robot.name.clone()))
+        .with_page(page.of_session());
+    let hub = Hub::open(configuration).map_err(failure)?;
+    print_line!("{} {}", "Longstep is at".bold(), page.link());
     remark!(
-        "The token is in {}; whoever has it can approve plans. Ctrl-C stops all robots and ends the server",
-        token_file.display()
+        "The token is in {}; whoever has it can approve plans. Agents find their tools at {}/mcp. Ctrl-C stops all robots and \
+         ends the server",
+        page.token_file.display(),
+        page.address
     );
-    let access = Access::new(token, address, &arguments.name);
+    let _faces = ros::faces(&hub, bridges)?;
     let ended = signals::ended().map_err(|error| Failure::unreadable(format!("cannot watch for signals: {error}")))?;
-    serve(listener, hub, ServeOptions::new(access), ended)?;
+    let options = ServeOptions::new(page.access).with_mcp(mcp);
+    serve(page.listener, hub, options, ended)?;
     Ok(DONE)
-}
-
-/// Opens the listener. Beyond this machine nothing is encrypted: that is said before anything else.
-fn listener(arguments: &ServeArguments) -> Result<TcpListener> {
-    if !arguments.listen.ip().is_loopback() {
-        if arguments.token_file.is_none() {
-            return Err(Failure::unreadable(format!(
-                "other machines reach {}, so the token has to be yours",
-                arguments.listen
-            ))
-            .hint(
-                "name a file with a token of at least 32 letters and digits: `--token-file FILE`; \
-                           and put a server with TLS in front, see docs/guide/server.md",
-            )
-            .into());
-        }
-        remark!(
-            "{} what is sent to {} is not encrypted: put a server with TLS in front, see docs/guide/server.md",
-            "Warning:".yellow(),
-            arguments.listen
-        );
-    }
-    Ok(TcpListener::bind(arguments.listen).map_err(|error| {
-        Failure::unreadable(format!("cannot listen at {}: {error}", arguments.listen))
-            .hint("name another address with `--listen 127.0.0.1:PORT`; port 0 takes a free one")
-    })?)
-}
-
-/// Opens the store beside the sessions of this user.
-pub(crate) fn store() -> Result<Arc<FileStore>> {
-    let store = FileStore::open(&session_directory()?);
-    Ok(Arc::new(store.map_err(|error| failure(error.into()))?))
 }
 
 /// Opens the database that servers share.
@@ -93,113 +57,71 @@ fn database(address: &str) -> Result<Arc<dyn Store>> {
     Ok(Arc::new(store))
 }
 
-fn configuration(arguments: &ServeArguments, store: Arc<dyn Store>) -> Result<Configuration> {
-    let named = domain_or_default(arguments.domain.as_ref());
-    let domain = load_domain(named)?;
-    let folders: Vec<String> = arguments.domain.iter().cloned().collect();
-    let mut scenes = arguments
-        .env
-        .iter()
-        .map(|env| scene(&domain, env))
-        .collect::<Result<Vec<_>>>()?;
-    scenes.extend(Scene::shipped());
-    let domains = Domains::new(&folders, scenes).map_err(failure)?;
-    let models = if arguments.no_model {
-        None
-    } else {
-        Some(models(arguments)?)
-    };
-    Ok(Configuration::new(store, domains)
-        .with_models(models)
-        .with_robots(robots(&arguments.robot, &arguments.execution, &domain)?)
-        .with_settings(arguments.strategy.settings()))
+/// An address at which a page is served, and who may open it.
+pub(crate) struct Page {
+    pub(crate) listener: TcpListener,
+    pub(crate) access: Access,
+    token: Token,
+    token_file: std::path::PathBuf,
+    /// `http://ADDRESS:PORT`
+    address: String,
+    /// The address for people: the first name, which has TLS in front, or that of this machine.
+    shown: String,
 }
 
-/// Reads an environment file as a scene. It is read in the domain too, so that its errors are known now.
-pub(crate) fn scene(domain: &Domain, path: &Path) -> Result<Scene> {
-    let world = inputs::world(domain, path, None)?;
-    let text = serde_json::to_string(world.environment())?;
-    let name = path
-        .file_stem()
-        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    Ok(Scene::new(&name, &domain.name, &text, ""))
-}
-
-fn models(arguments: &ServeArguments) -> Result<Models> {
-    // The first one shows its progress; a model that is missing is an error before anything listens.
-    let model = arguments.model.clone();
-    let first = std::sync::Mutex::new(Some(()));
-    let open = move || {
-        let is_first = first.lock().is_ok_and(|mut first| first.take().is_some());
-        if is_first {
-            ask::model(model.name(), &model)
-        } else {
-            ask::open_quietly(&model)
-        }
-    };
-    let models = Models::open(
-        Arc::new(open),
-        usize::from(arguments.models),
-        usize::from(arguments.queue),
-    );
-    Ok(models?)
-}
-
-/// Opens nothing: a robot is opened by its runs.
-pub(crate) fn robots(named: &[String], execution: &ExecutionArguments, domain: &Domain) -> Result<Vec<RobotEntry>> {
-    let default = ["sim".to_owned()];
-    let named = if named.is_empty() { &default[..] } else { named };
-    let mut robots: Vec<RobotEntry> = Vec::new();
-    for text in named {
-        let (name, reference) = split(text);
-        let parsed: RobotReference = reference.parse().map_err(|error: longstep_robot::ReferenceError| {
-            Failure::unreadable(error.to_string()).hint(error.hint())
+impl Page {
+    /// Opens the listener, and reads the token; without a file for it, it is one in `folder`.
+    pub(crate) fn open(listen: SocketAddr, access: &AccessArguments, folder: &Path) -> Result<Self> {
+        let listener = listener(listen, access)?;
+        let address = listener.local_addr()?;
+        let token_file = access.token_file.clone().unwrap_or_else(|| folder.join("token"));
+        let token = Token::of_file(&token_file).map_err(|error| {
+            Failure::unreadable(error.to_string()).hint("name another file with `--token-file FILE`")
         })?;
-        let options = OpenOptions::default().with_live(execution.live);
-        let entry = RobotEntry::of_reference(name, &parsed, &options)
-            .with_settings(settings(execution, domain)?)
-            .with_skills(execution.skills.as_deref().map(read_text).transpose()?);
-        if robots.iter().any(|own| own.name == entry.name) {
-            return Err(Failure::unreadable(format!("two robots have the name `{name}`"))
-                .hint("name them: `--robot left=process:...  --robot right=process:...`")
-                .into());
+        let address_text = format!("http://{address}");
+        let shown = access.name.first().map(|name| format!("https://{name}"));
+        Ok(Self {
+            access: Access::new(token.clone(), address, &access.name),
+            listener,
+            token,
+            token_file,
+            shown: shown.unwrap_or_else(|| address_text.clone()),
+            address: address_text,
+        })
+    }
+
+    /// The link to the page, with the token.
+    pub(crate) fn link(&self) -> String {
+        format!("{}/?token={}", self.address, self.token.text())
+    }
+
+    /// The address of the page for a session, without the token: an agent is told of it.
+    pub(crate) fn of_session(&self) -> String {
+        format!("{}/sessions/{{session}}", self.shown)
+    }
+}
+
+/// Opens the listener. Beyond this machine nothing is encrypted: that is said before anything else.
+fn listener(listen: SocketAddr, access: &AccessArguments) -> Result<TcpListener> {
+    if !listen.ip().is_loopback() {
+        if access.token_file.is_none() {
+            return Err(
+                Failure::unreadable(format!("other machines reach {}, so the token has to be yours", listen))
+                    .hint(
+                        "name a file with a token of at least 32 letters and digits: `--token-file FILE`; \
+                           and put a server with TLS in front, see docs/guide/server.md",
+                    )
+                    .into(),
+            );
         }
-        robots.push(entry);
+        remark!(
+            "{} what is sent to {} is not encrypted: put a server with TLS in front, see docs/guide/server.md",
+            "Warning:".yellow(),
+            listen
+        );
     }
-    Ok(robots)
-}
-
-/// Returns the name of a robot and its reference: `arm=ros2:arm.toml`; without a name the kind is one.
-fn split(text: &str) -> (&str, &str) {
-    match text.split_once('=') {
-        Some((name, reference)) if name.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_') => {
-            (name, reference)
-        }
-        _ => (text.split(':').next().unwrap_or(text), text),
-    }
-}
-
-fn settings(arguments: &ExecutionArguments, domain: &Domain) -> Result<Settings> {
-    let autonomy = match &arguments.autonomy {
-        Some(path) => Autonomy::parse(domain, None, &path.display().to_string(), &read_text(path)?)?,
-        None => Autonomy::default(),
-    };
-    // A run of the server always begins with an approval; with `never` nothing is asked after it.
-    Ok(Settings::from(arguments).with_autonomy(autonomy))
-}
-
-/// Returns the failure for a problem of the server.
-pub(crate) fn failure(problem: Problem) -> Failure {
-    use longstep_server::ProblemKind as Kind;
-    let code = match problem.kind {
-        Kind::TooLarge | Kind::Busy => LIMIT,
-        Kind::Failed => MODEL,
-        Kind::Conflict => ROBOT,
-        _ => UNREADABLE,
-    };
-    let failure = Failure::new(problem.message, code);
-    match problem.hint {
-        Some(hint) => failure.hint(hint),
-        None => failure,
-    }
+    Ok(TcpListener::bind(listen).map_err(|error| {
+        Failure::unreadable(format!("cannot listen at {}: {error}", listen))
+            .hint("name another address with `--listen 127.0.0.1:PORT`; port 0 takes a free one")
+    })?)
 }

@@ -107,10 +107,41 @@ fn run_completes_in_the_simulator_despite_faults() {
             last["environment"]["object_states"]["<butter>"],
             "on_something(<counter>)"
         );
-        // What is printed is what is in the log.
+        // What is printed is what is in the log, where each event has its time.
         let printed: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-        assert_eq!(printed, bench.events(&log));
+        let mut events = bench.events(&log);
+        for event in &mut events {
+            let at = event.as_object_mut().unwrap().remove("at");
+            assert!(at.is_some_and(|at| at.as_str().is_some_and(|at| at.ends_with('Z'))));
+        }
+        assert_eq!(printed, events);
     }
+}
+
+#[test]
+fn runs_export_writes_the_same_recording_of_a_log_each_time() {
+    let bench = Bench::new();
+    let robot = "sim:seed=5,faults=2,kinds=slips+fails";
+    let output = bench
+        .command("run.jsonl", robot, &["--approve", "never"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let export = |log: &str, file: &str| {
+        let mut command = longstep(bench.folder.path());
+        command.args(["runs", "export"]).arg(bench.path(log));
+        command.arg("--output").arg(bench.path(file)).output().unwrap()
+    };
+    for file in ["one.mcap", "other.mcap"] {
+        let output = export("run.jsonl", file);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    }
+    let one = fs::read(bench.path("one.mcap")).unwrap();
+    assert!(one.starts_with(b"\x89MCAP0\r\n") && one.ends_with(b"\x89MCAP0\r\n"));
+    assert_eq!(one, fs::read(bench.path("other.mcap")).unwrap());
+    let missing = export("no.jsonl", "no.mcap");
+    assert_eq!(missing.status.code(), Some(30));
+    assert!(text(&missing.stderr).contains("longstep runs list") && !bench.path("no.mcap").exists());
 }
 
 /// From words to a changed world in one command.

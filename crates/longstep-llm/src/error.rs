@@ -11,7 +11,8 @@ pub enum ModelError {
     /// The text does not name a model.
     #[error(
         "`{text}` is not a model: expected a name of the catalogue ({catalogue}), a path ending in .gguf, \
-         openai:NAME, azure:DEPLOYMENT, ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE"
+         openai:NAME, azure:DEPLOYMENT, ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME, \
+         longstep:URL or replay:FILE"
     )]
     UnknownReference {
         /// The given text.
@@ -365,8 +366,8 @@ fn file_hint(kind: std::io::ErrorKind) -> Option<String> {
 fn status_hint(status: u16) -> Option<String> {
     let hint = match status {
         401 => {
-            "check the key (OPENAI_API_KEY, AZURE_OPENAI_API_KEY, ANTHROPIC_API_KEY, GEMINI_API_KEY, or LONGSTEP_API_KEY \
-             for another server)"
+            "check the key (OPENAI_API_KEY, AZURE_OPENAI_API_KEY, ANTHROPIC_API_KEY, GEMINI_API_KEY, LONGSTEP_API_KEY for \
+             another server, or LONGSTEP_TOKEN for a server of Longstep)"
         }
         403 => "the key may not use this model; ask the server's owner",
         404 => "check the name of the model and the base address (it usually ends in /v1)",

@@ -35,6 +35,7 @@ mod converse;
 #[cfg(feature = "embedded")]
 mod embedded;
 mod error;
+pub mod lent;
 mod load_domain;
 mod model;
 mod open;
@@ -47,6 +48,7 @@ mod session_folder;
 pub mod store;
 #[cfg(test)]
 mod test_server;
+mod wire;
 
 pub use advance::{AdvanceError, advance, instruct};
 pub use converse::{ConverseError, converse};

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "embedded")]
 use crate::embedded::EmbeddedModel;
+use crate::lent::LentModel;
 use crate::model::{AdapterChoice, ChatModel, OpenOptions, Progress};
 use crate::record::{Recording, Replay};
 use crate::server::ServerModel;
@@ -11,8 +12,8 @@ use crate::{ModelError, ModelReference};
 
 /// Opens the model of a reference.
 ///
-/// Loads an embedded model (about a second). Does not contact a server: that happens with the first request, or when
-/// the size of its context or a token count is needed. Calls to servers block the calling thread: do not use them in
+/// Loads an embedded model (about a second). Asks a Longstep server for its model. Does not contact another server: that
+/// happens with the first request, or when the size of its context or a token count is needed. Calls to servers block the calling thread: do not use them in
 /// asynchronous code.
 ///
 /// # Errors
@@ -95,6 +96,7 @@ fn open_itself(
             })
         }
         ModelReference::Replay(path) => Ok(Box::new(Replay::open(path)?)),
+        ModelReference::Lent { url } => Ok(Box::new(LentModel::open(url, options)?)),
         ModelReference::OpenAi { .. }
         | ModelReference::Azure { .. }
         | ModelReference::Ollama { .. }

@@ -18,6 +18,7 @@ use crate::{ModelError, catalogue};
 /// | `anthropic:NAME` | a model of Anthropic, with `ANTHROPIC_API_KEY` |
 /// | `gemini:NAME` | a model of Gemini, with `GEMINI_API_KEY` or `GOOGLE_API_KEY` |
 /// | `http://localhost:8080/v1#NAME` | a model of another server with OpenAI's API, such as llama.cpp's or vLLM; a key from `LONGSTEP_API_KEY` |
+/// | `longstep:http://127.0.0.1:8765` | the model of a running `longstep serve`, with `LONGSTEP_TOKEN` or, on this machine, the token of its file |
 /// | `replay:FILE` | a recording, see [`OpenOptions::record`](crate::OpenOptions::record) |
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ModelReference {
@@ -52,6 +53,11 @@ pub enum ModelReference {
     },
     /// A recording, which answers the requests in it.
     Replay(PathBuf),
+    /// The model of a running Longstep server.
+    Lent {
+        /// The address of the server.
+        url: String,
+    },
     /// A model of another server with OpenAI's API.
     Server {
         /// The base address; requests go to `/chat/completions` below it.
@@ -85,11 +91,15 @@ impl FromStr for ModelReference {
                 "ollama" => return Ok(Self::Ollama { model }),
                 "anthropic" => return Ok(Self::Anthropic { model }),
                 "gemini" => return Ok(Self::Gemini { model }),
+                "longstep" if is_web_address(name) => {
+                    let url = name.trim_end_matches('/').to_owned();
+                    return Ok(Self::Lent { url });
+                }
                 "replay" => return Ok(Self::Replay(name.into())),
                 _ => {}
             }
         }
-        if text.starts_with("http://") || text.starts_with("https://") {
+        if is_web_address(text) {
             return match text.split_once('#') {
                 Some((url, model)) if !model.is_empty() => Ok(Self::Server {
                     url: url.trim_end_matches('/').into(),
@@ -117,9 +127,14 @@ impl fmt::Display for ModelReference {
             Self::Anthropic { model } => write!(formatter, "anthropic:{model}"),
             Self::Gemini { model } => write!(formatter, "gemini:{model}"),
             Self::Replay(path) => write!(formatter, "replay:{}", path.display()),
+            Self::Lent { url } => write!(formatter, "longstep:{url}"),
             Self::Server { url, model } => write!(formatter, "{url}#{model}"),
         }
     }
+}
+
+fn is_web_address(text: &str) -> bool {
+    text.starts_with("http://") || text.starts_with("https://")
 }
 
 fn unknown(text: &str) -> ModelError {
@@ -165,6 +180,12 @@ mod tests {
                 "ollama:qwen2.5-coder:1.5b",
                 ModelReference::Ollama {
                     model: "qwen2.5-coder:1.5b".into(),
+                },
+            ),
+            (
+                "longstep:http://127.0.0.1:8765",
+                ModelReference::Lent {
+                    url: "http://127.0.0.1:8765".into(),
                 },
             ),
             ("anthropic:m", ModelReference::Anthropic { model: "m".into() }),

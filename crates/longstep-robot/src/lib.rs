@@ -13,8 +13,10 @@
 //! - [`RunControl`]: stops, pauses and continues a run. [`StopRequest`]: stops a run, also while its robot is being opened. [`StopSwitch`]: stops a robot from any thread,
 //!   also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language. [`ros2::Ros2`]: one behind ROS 2.
+//! - [`rosbridge`]: the protocol between Longstep and a bridge to ROS 2.
 //! - [`virtualhome::VirtualHome`]: a character in the VirtualHome simulator.
 //! - [`recorder::Recorder`]: a program that records the hand of a person who shows a step.
+//! - [`mcap::Recording`]: a run as an MCAP file, for Foxglove and Lichtblick.
 //! - [`DryRun`]: shows what a robot would be sent, and moves nothing. [`Exclusive`]: a robot that no other program drives.
 //!
 //! Usage:
@@ -33,6 +35,7 @@ mod error;
 mod exclusive;
 mod fitness;
 mod lock;
+pub mod mcap;
 mod open;
 mod order;
 mod preflight;
@@ -50,6 +53,7 @@ pub mod recorder;
 mod reference;
 mod robot;
 pub mod ros2;
+pub mod rosbridge;
 mod run_log;
 mod scope;
 mod sim;
@@ -73,7 +77,7 @@ pub use presence::Presence;
 pub use program::{CommandLine, CommandLineError};
 pub use reference::{ReferenceError, RobotKind, RobotReference};
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
-pub use run_log::{RunHeader, RunLog, RunLogError};
+pub use run_log::{RunHeader, RunLog, RunLogError, TimedEvent};
 pub use scope::Scope;
 pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};
 pub use stop::StopRequest;

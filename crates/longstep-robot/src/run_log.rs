@@ -4,6 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
+use jiff::Timestamp;
 use longstep_core::execution::Event;
 use longstep_core::secret;
 use serde::{Deserialize, Serialize};
@@ -47,6 +48,37 @@ impl RunHeader {
     pub fn with_dry_run(self, dry_run: bool) -> Self {
         Self { dry_run, ..self }
     }
+}
+
+/// An event of a log, with the time at which it was written.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TimedEvent {
+    /// The time; none in a log of a version that kept no times.
+    pub at: Option<Timestamp>,
+    /// The event.
+    pub event: Event,
+}
+
+impl TimedEvent {
+    /// Returns an event with its time.
+    pub fn new(at: impl Into<Option<Timestamp>>, event: Event) -> Self {
+        Self { at: at.into(), event }
+    }
+}
+
+/// An event as a line of a log.
+#[derive(Serialize)]
+struct Line<'e> {
+    #[serde(flatten)]
+    event: &'e Event,
+    at: Timestamp,
+}
+
+/// The time of a line.
+#[derive(Deserialize)]
+struct LineTime {
+    at: Option<Timestamp>,
 }
 
 /// A log that cannot be read or written.
@@ -106,7 +138,8 @@ impl RunLog {
             path: path.to_owned(),
         };
         log.lock()?;
-        log.line(header)?;
+        let line = serde_json::to_string(header).map_err(|error| failed(path, error.into()))?;
+        log.write(&(line + "\n"))?;
         log.sync()?;
         // The name of the file is on disk too.
         if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
@@ -154,6 +187,20 @@ impl RunLog {
         Self::parse(path, &log.text()?)
     }
 
+    /// Reads a log with the times of its events.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or that is no log.
+    pub fn read_timed(path: &Path) -> Result<(RunHeader, Vec<TimedEvent>), RunLogError> {
+        let file = File::open(path).map_err(|error| failed(path, error))?;
+        let mut log = Self {
+            file,
+            path: path.to_owned(),
+        };
+        Self::parse_timed(path, &log.text()?)
+    }
+
     /// Reads the text of a log; `path` is its name in errors. A last line that is not complete is left out.
     ///
     /// # Errors
@@ -161,6 +208,40 @@ impl RunLog {
     /// A text that is no log.
     pub fn parse(path: &Path, text: &str) -> Result<(RunHeader, Vec<Event>), RunLogError> {
         parsed(path, whole(text))
+    }
+
+    /// Reads the text of a log with the times of its events, as [`RunLog::parse`] does.
+    ///
+    /// # Errors
+    ///
+    /// A text that is no log.
+    pub fn parse_timed(path: &Path, text: &str) -> Result<(RunHeader, Vec<TimedEvent>), RunLogError> {
+        let text = whole(text);
+        let (header, events) = parsed(path, text)?;
+        let times = text.lines().skip(1).enumerate().map(|(index, line)| {
+            let time = serde_json::from_str::<LineTime>(line);
+            time.map(|time| time.at).map_err(|error| RunLogError::Line {
+                path: path.to_owned(),
+                line: index + 2,
+                why: error.to_string(),
+            })
+        });
+        let events = times.zip(events).map(|(at, event)| Ok(TimedEvent::new(at?, event)));
+        Ok((header, events.collect::<Result<_, _>>()?))
+    }
+
+    /// Returns events as lines of a log, with the time at which they are written.
+    ///
+    /// # Errors
+    ///
+    /// An event that cannot be written as JSON.
+    pub fn lines(events: &[Event], at: Timestamp) -> Result<String, serde_json::Error> {
+        let mut lines = String::new();
+        for event in events {
+            lines.push_str(&serde_json::to_string(&Line { event, at })?);
+            lines.push('\n');
+        }
+        Ok(lines)
     }
 
     fn lock(&self) -> Result<(), RunLogError> {
@@ -186,21 +267,19 @@ impl RunLog {
         }
     }
 
-    /// Appends events; they are on disk when this returns.
+    /// Appends events with the time; they are on disk when this returns.
     ///
     /// # Errors
     ///
     /// A file that cannot be written.
     pub fn append(&mut self, events: &[Event]) -> Result<(), RunLogError> {
-        for event in events {
-            self.line(event)?;
-        }
+        let lines = Self::lines(events, Timestamp::now()).map_err(|error| failed(&self.path, error.into()))?;
+        self.write(&lines)?;
         self.sync()
     }
 
-    fn line(&mut self, value: &impl Serialize) -> Result<(), RunLogError> {
-        let line = serde_json::to_string(value).map_err(|error| failed(&self.path, error.into()))?;
-        let written = self.file.write_all(format!("{line}\n").as_bytes());
+    fn write(&mut self, lines: &str) -> Result<(), RunLogError> {
+        let written = self.file.write_all(lines.as_bytes());
         written.map_err(|error| failed(&self.path, error))
     }
 

@@ -166,6 +166,8 @@ fn run_schema_rejects_lines_that_no_run_writes() {
         r#"{"event": "assessed", "effect": "fatal", "because": []}"#,
         r#"{"event": "found", "order": 1, "more": true}"#,
         r#"{"event": "moved"}"#,
+        r#"{"event": "paused", "at": "yesterday"}"#,
+        r#"{"event": "paused", "at": "2026-05-04T10:00:00+02:00"}"#,
         r#"{"longstep_run": 2, "robot": "sim", "domain": "household"}"#,
     ] {
         let line: Value = serde_json::from_str(line).unwrap();

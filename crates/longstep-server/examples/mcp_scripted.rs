@@ -53,7 +53,7 @@ fn main() {
     if is_http {
         serve_http(hub, options);
     } else {
-        serve_stdio(hub, options).unwrap();
+        serve_stdio(hub, options, std::future::pending()).unwrap();
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::Instant;
 
 use longstep::report;
-use longstep::session::{Entry, Event, Log, ObserveError, Response, Session};
+use longstep::session::{Entry, Event, Log, ObserveError, Session};
 use longstep_core::environment::Observation;
 use longstep_llm::{ChatModel, ModelError, Progress, StopFlag, Watch};
 use tokio::sync::watch;
@@ -240,16 +240,6 @@ impl Hosted {
     /// Returns true the first time after the session was read from its log.
     pub(crate) fn take_unsettled(&self) -> bool {
         self.is_unsettled.swap(false, Ordering::SeqCst)
-    }
-
-    /// Cancels an instruction for which a model of an earlier server worked.
-    pub(crate) fn cancel_abandoned(&self) -> Result<(), Problem> {
-        self.change(|session| {
-            if !self.is_thinking() && matches!(session.response(), Response::Waiting) {
-                session.cancel()?;
-            }
-            Ok(())
-        })
     }
 
     /// Returns the id.

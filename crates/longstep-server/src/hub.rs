@@ -15,6 +15,7 @@ use crate::id::{RunId, SessionId};
 use crate::models::Models;
 use crate::problem::{Problem, ProblemKind};
 use crate::run::{Body, HostedRun, Queues, RobotEntry};
+use crate::session_locks::SessionLocks;
 use crate::store::{LogName, Store, StoreError};
 use crate::view::Snapshot;
 
@@ -88,8 +89,8 @@ pub struct Hub {
     pub(crate) runs: Mutex<HashMap<RunId, Arc<HostedRun>>>,
     /// Set when the runs of a store that is not shared were read.
     pub(crate) are_runs_read: OnceLock<()>,
-    /// Held while a run is begun, so that of two for one session one is refused.
-    pub(crate) beginning: Mutex<()>,
+    /// Held while a run is begun, so that of two for one session one is refused, and while a plan is accepted.
+    pub(crate) beginning: SessionLocks,
     pub(crate) queues: Queues,
 }
 
@@ -160,7 +161,7 @@ impl Hub {
             sessions: Mutex::default(),
             runs: Mutex::default(),
             are_runs_read: OnceLock::new(),
-            beginning: Mutex::default(),
+            beginning: SessionLocks::default(),
             queues: Queues::default(),
         };
         let hub = Arc::new(hub);
@@ -183,6 +184,13 @@ impl Hub {
     /// Returns the model; none for a server without one.
     pub fn models(&self) -> Option<&Models> {
         self.models.as_ref()
+    }
+
+    pub(crate) fn models_or_problem(&self) -> Result<&Models, Problem> {
+        self.models.as_ref().ok_or_else(|| {
+            Problem::new(ProblemKind::Failed, "this server has no model")
+                .hint("start it with `longstep serve --model NAME`")
+        })
     }
 
     /// Returns the robots.
@@ -315,8 +323,8 @@ impl Hub {
             })?;
             if let Some(held) = held {
                 if held.take_unsettled() {
-                    held.cancel_abandoned()?;
                     self.settle_runs(&held)?;
+                    self.think_on(&held);
                 }
                 return Ok(held);
             }

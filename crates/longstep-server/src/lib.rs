@@ -7,13 +7,17 @@
 //! - [`Hub::approve`] and [`Hub::start`]: an [`Approval`] counts for one plan, from one world, on one robot, once, until a
 //!   time. [`Audit`] has who did what.
 //! - [`Hub::pause`], [`Hub::go_on`], [`Hub::stop`], [`Hub::decide`]: a run under way.
-//! - [`Feed`]: the live stream.
+//! - [`Feed`]: the live stream. [`Hub::recording`]: a run as an MCAP file.
 //!
 //! [`Store`] is what outlives a server: files for one, a database for several. [`Models`] is the model that all sessions share.
 
 // What unit tests share with the others names the crate as they do.
 #[cfg(test)]
 extern crate self as longstep_server;
+
+#[cfg(test)]
+#[path = "../tests/support/mod.rs"]
+mod support;
 
 mod approval;
 mod audit;
@@ -25,13 +29,17 @@ mod hosted;
 pub mod http;
 mod hub;
 mod id;
+mod lend;
 #[cfg(feature = "mcp")]
 pub mod mcp;
 mod models;
 mod operate;
 mod page;
 mod problem;
+mod recording;
+pub mod ros;
 mod run;
+mod session_locks;
 mod shared;
 mod store;
 mod talk;

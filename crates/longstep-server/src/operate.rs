@@ -1,6 +1,6 @@
 //! Approvals used, and runs begun, paused, continued and stopped.
 
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use longstep_core::environment;
@@ -59,7 +59,7 @@ impl Hub {
     pub fn start(&self, approval: &ApprovalId, urgent: bool, by: &str) -> Result<Arc<RunView>, Problem> {
         let approval = self.approvals.find(approval)?;
         let held = self.held(&approval.session)?;
-        let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
+        let _beginning = self.beginning.lock(&approval.session);
         self.refuse_during_run(&approval.session)?;
         let snapshot = held.snapshot();
         let entry = self.robot(&approval.robot)?.clone();
@@ -251,9 +251,17 @@ impl Hub {
             return Err(Problem::conflict("the run cannot be resumed"));
         }
         let record = run.record().clone();
-        let _beginning = self.beginning.lock().unwrap_or_else(PoisonError::into_inner);
+        let _beginning = self.beginning.lock(&record.session);
         let held = self.held(&record.session)?;
         self.refuse_during_run(&record.session)?;
+        let snapshot = held.snapshot();
+        let next = snapshot.view.accepted.iter().find(|accepted| accepted.pending);
+        if !next.is_some_and(|next| next.number == record.number && next.plan == record.plan) {
+            return Err(
+                Problem::conflict("the plan of the run does not wait for a robot any more")
+                    .hint("it was undone, or carried out by another run"),
+            );
+        }
         let entry = self.robot(&record.robot)?.clone();
         // From here on nobody else adds to the log.
         let rights = self.rights(id, &entry, held)?;

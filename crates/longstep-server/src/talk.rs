@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use longstep::session::Session;
+use longstep::session::{Response, Session};
 
 use crate::audit::Deed;
 use crate::hosted::{Held, Hosted};
 use crate::hub::{Hub, checked_text};
 use crate::id::SessionId;
-use crate::problem::{Problem, ProblemKind};
+use crate::problem::Problem;
 use crate::view::{Snapshot, proposal_hash};
 
 /// A request of a person that a model may have to answer.
@@ -102,11 +102,23 @@ impl Hub {
         Ok(Waiting::new(Arc::clone(&held)))
     }
 
-    pub(crate) fn say_to(self: &Arc<Self>, held: &Held, said: &Said) -> Result<(), Problem> {
-        let Some(models) = &self.models else {
-            return Err(Problem::new(ProblemKind::Failed, "this server has no model")
-                .hint("start it with `longstep serve --model NAME`"));
-        };
+    pub(crate) fn say_to(&self, held: &Held, said: &Said) -> Result<(), Problem> {
+        self.think(held, |session| said.apply(session))
+    }
+
+    /// Lets the model go on for a session that was read from its log in the middle of a request: the server that asked it
+    /// has ended. Without a model, the request is cancelled.
+    pub(crate) fn think_on(&self, held: &Held) {
+        let is_waiting = || held.look(|session| matches!(session.response(), Response::Waiting));
+        if !held.is_thinking() && is_waiting() && self.think(held, |_| Ok(())).is_err() {
+            // It may have been cancelled already.
+            let _ = held.change(|session| Ok(session.cancel()?));
+        }
+    }
+
+    /// Lets the model work for a session after a change.
+    fn think(&self, held: &Held, change: impl FnOnce(&mut Session) -> Result<(), Problem>) -> Result<(), Problem> {
+        let models = self.models_or_problem()?;
         if !held.begin_thinking() {
             return Err(Problem::conflict("a model works for this session already")
                 .hint("wait for it, or cancel the instruction"));
@@ -120,7 +132,7 @@ impl Hub {
             if *session.model() != facts {
                 session.set_model(facts);
             }
-            said.apply(session)
+            change(session)
         });
         let submitted = begun.and_then(|()| {
             models.submit(job).inspect_err(|_| {
@@ -151,9 +163,10 @@ impl Hub {
     ///
     /// # Errors
     ///
-    /// Another plan, or none, waits for a decision.
+    /// Another plan, or none, waits for a decision; a robot carries out a plan that this one would take the place of.
     pub fn accept(&self, id: &SessionId, plan: &str, by: &str) -> Result<Arc<Snapshot>, Problem> {
         let held = self.held(id)?;
+        let _beginning = self.beginning.lock(id);
         let accepted = held.change(|session| {
             let shown = session.proposal().map(proposal_hash);
             if shown.as_deref() != Some(plan) {
@@ -162,6 +175,9 @@ impl Hub {
                     None => "no plan waits for a decision",
                 })
                 .hint("look at the session again"));
+            }
+            if session.replaces_pending() {
+                self.refuse_during_run(id)?;
             }
             self.audit.add(
                 by,

@@ -210,6 +210,18 @@ fn a_plan_is_made_approved_and_carried_out() {
         .filter_map(|own| own["deed"].as_str())
         .collect();
     assert_eq!(deeds, ["ended", "started", "approved", "accepted"]);
+    let recording = served.request("GET", &format!("{run}/mcap"), &served.bearer(), "");
+    assert_eq!(recording.status, 200, "{}", recording.head);
+    for header in ["application/octet-stream", "attachment; filename=\"", ".mcap\""] {
+        assert!(recording.head.contains(header), "{}", recording.head);
+    }
+    assert!(recording.body.contains("MCAP0"));
+    let missing = served.request("GET", "/api/runs/nothing/mcap", &served.bearer(), "");
+    assert_eq!(
+        (missing.status, &missing.json()["error"]["kind"]),
+        (404, &json!("missing"))
+    );
+    assert_eq!(served.request("GET", &format!("{run}/mcap"), "", "").status, 401);
     let (status, undone) = served.post(&format!("{session}/undo"), &Value::Null);
     assert_eq!((status, undone["accepted"].as_array().unwrap().len()), (200, 0));
 }
@@ -348,6 +360,26 @@ fn nothing_is_done_for_those_who_may_not() {
     ] {
         assert!(headers.contains(header), "{headers}");
     }
+}
+
+#[test]
+fn idle_connections_keep_nobody_out() {
+    let served = served("");
+    // With the first answer, the server has raised the limit of open files, which is that of the test too.
+    served.get("/api/server");
+    let idle: Vec<_> = (0..1_100)
+        .map(|_| TcpStream::connect(served.address).unwrap())
+        .collect();
+    // A request arrives after them, and is answered.
+    assert_eq!(served.get("/api/server")["version"], env!("CARGO_PKG_VERSION"));
+    let mut first = idle.into_iter().next().unwrap();
+    first.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    let mut text = String::new();
+    first.read_to_string(&mut text).unwrap();
+    assert!(text.contains("503") && text.contains("too many connections"), "{text}");
+    // A connection without the token ends with its answer.
+    let stranger = format!("GET /api/server HTTP/1.1\r\nHost: {}\r\n\r\n", served.address);
+    assert_eq!(served.raw(stranger.as_bytes()).status, 401);
 }
 
 #[test]

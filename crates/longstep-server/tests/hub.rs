@@ -61,6 +61,25 @@ fn an_approved_plan_moves_the_robot_once() {
         view.environment.object_states["<pen>"].as_slice(),
         ["on_something(<shelf>)"]
     );
+    let recording = hub.recording(&run).unwrap();
+    let messages: Vec<_> = mcap::MessageStream::new(&recording)
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    let performed = messages.iter().filter(|message| {
+        message.channel.topic == "/longstep/step" && String::from_utf8_lossy(&message.data).contains("performed")
+    });
+    assert_eq!(performed.count(), done.steps.len());
+    let summary = mcap::Summary::read(&recording).unwrap().unwrap();
+    let metadata = mcap::read::metadata(&recording, &summary.metadata_indexes[0])
+        .unwrap()
+        .metadata;
+    assert_eq!((&metadata["approved_plan"], metadata["by"].as_str()), (&plan, "ada"));
+    assert_eq!(
+        (metadata["instruction"].as_str(), metadata["times"].as_str()),
+        ("Put the pen on the shelf", "recorded")
+    );
+    assert_eq!(recording, hub.recording(&run).unwrap());
     // The second approval of the same plan came too late.
     assert!(hub.start(&second.id, false, "ada").is_err());
 

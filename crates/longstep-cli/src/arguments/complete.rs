@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use longstep_core::secret;
 
-use super::{Command, DraftArguments, ModelArguments, RobotCommand, RunArguments, ServeArguments};
+use super::{Command, DraftArguments, HubArguments, ModelArguments, RobotCommand, RunArguments};
 use crate::project::Project;
 
 /// The variable that names the domain.
@@ -95,7 +95,7 @@ impl Taken {
     }
 
     fn model(&mut self, own: &mut ModelArguments) -> Result<()> {
-        if own.model.is_none() {
+        if own.model.is_none() && own.lender.is_none() {
             own.model.clone_from(&self.project()?.model);
             self.values.extend(own.model.iter().map(|name| format!("model {name}")));
         }
@@ -125,7 +125,7 @@ impl Taken {
         if is_file { Ok(()) } else { self.model(&mut own.model) }
     }
 
-    fn serve(&mut self, own: &mut ServeArguments) -> Result<()> {
+    fn hub(&mut self, own: &mut HubArguments) -> Result<()> {
         self.domain(&mut own.domain)?;
         self.autonomy(&mut own.execution.autonomy)?;
         if own.env.is_empty() {
@@ -201,12 +201,23 @@ impl Command {
                 own.project_env = taken.further_environment(own.env.as_ref())?;
             }
             Self::Run(own) => taken.run(own)?,
-            Self::Serve(own) => taken.serve(own)?,
+            Self::Serve(own) => {
+                // A server has a model of its own.
+                own.hub.model.lender = None;
+                taken.hub(&mut own.hub)?
+            }
+            Self::Mcp(own) => taken.hub(&mut own.hub)?,
             Self::Robot(RobotCommand::Check(own)) => {
                 taken.domain(&mut own.domain)?;
                 taken.environment(&mut own.env)?;
             }
-            Self::Solve(_) | Self::Session(_) | Self::Robot(_) | Self::Eval(_) | Self::Domain(_) | Self::Model(_) => {}
+            Self::Solve(_)
+            | Self::Session(_)
+            | Self::Runs(_)
+            | Self::Robot(_)
+            | Self::Eval(_)
+            | Self::Domain(_)
+            | Self::Model(_) => {}
         }
         Ok(taken)
     }

@@ -10,9 +10,12 @@ use longstep_llm::{AdapterChoice, Reasoning};
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ModelArguments {
     /// Language model: a name of `longstep model list`, a .gguf file, openai:NAME, azure:DEPLOYMENT,
-    /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE [default: qwen2.5-coder-1.5b]
+    /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME, longstep:URL or replay:FILE [default: qwen2.5-coder-1.5b]
     #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", hide_env_values = true)]
     pub(crate) model: Option<String>,
+    /// Running `longstep serve`, whose model is used if no model is named: the same as `--model longstep:URL`
+    #[arg(long = "server", value_name = "URL", env = "LONGSTEP_SERVER", hide_env_values = true, value_parser = lender)]
+    pub(crate) lender: Option<String>,
     /// Adapter of an embedded model, a .gguf file, for one of its tasks (repeatable); `off` for none [default: those of the
     /// catalogue]
     #[arg(long, value_name = "FILE")]
@@ -50,7 +53,8 @@ pub(crate) struct ModelArguments {
 impl ModelArguments {
     /// The name of the model.
     pub(crate) fn name(&self) -> &str {
-        self.model.as_deref().unwrap_or(longstep_llm::catalogue::DEFAULT)
+        let named = self.model.as_deref().or(self.lender.as_deref());
+        named.unwrap_or(longstep_llm::catalogue::DEFAULT)
     }
 
     /// The adapters of an embedded model.
@@ -60,6 +64,15 @@ impl ModelArguments {
             [one] if one.as_os_str() == "off" => AdapterChoice::Off,
             files => AdapterChoice::Files(files.to_vec()),
         }
+    }
+}
+
+/// Returns the model of the server at an address.
+fn lender(text: &str) -> Result<String, String> {
+    if text.starts_with("http://") || text.starts_with("https://") {
+        Ok(format!("longstep:{text}"))
+    } else {
+        Err("must be the address that `longstep serve` prints, such as http://127.0.0.1:8765".to_owned())
     }
 }
 

@@ -1,4 +1,4 @@
-//! The arguments of `longstep serve`.
+//! The arguments of `longstep serve` and `longstep mcp`.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -9,23 +9,52 @@ use super::model::ModelArguments;
 use super::run::ExecutionArguments;
 use super::strategy::StrategyArguments;
 
-/// A server, with its model, worlds and robots.
+/// A server behind HTTP.
 #[derive(Debug, Args)]
 pub(crate) struct ServeArguments {
     /// Address to listen at; one that other machines reach needs TLS in front, see docs/guide/server.md
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8765")]
     pub(crate) listen: SocketAddr,
+    /// Robot file with the bridge to ROS 2 on which plans and progress are shown and requests taken (repeatable)
+    #[arg(long, value_name = "ROBOT.toml")]
+    pub(crate) ros2: Vec<PathBuf>,
+    /// Database that several servers share, in place of files: postgres://user@host/database; the password may be in
+    /// `PGPASSWORD` or ~/.pgpass
+    #[arg(long, value_name = "ADDRESS", env = "LONGSTEP_STORE", hide_env_values = true)]
+    pub(crate) store: Option<String>,
+    #[command(flatten)]
+    pub(crate) access: AccessArguments,
+    #[command(flatten)]
+    pub(crate) hub: HubArguments,
+}
+
+/// A server for one agent, on standard input and output.
+#[derive(Debug, Args)]
+pub(crate) struct McpArguments {
+    /// Address of a page on which a person can approve, for agents that cannot show a form; without it there is no page
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub(crate) listen: Option<SocketAddr>,
+    #[command(flatten)]
+    pub(crate) access: AccessArguments,
+    #[command(flatten)]
+    pub(crate) hub: HubArguments,
+}
+
+/// Who may talk to a server.
+#[derive(Debug, Args)]
+pub(crate) struct AccessArguments {
     /// Name by which browsers reach the server besides its address, with the port (repeatable): robot.lab:443
     #[arg(long, value_name = "HOST:PORT")]
     pub(crate) name: Vec<String>,
     /// File with the token; it is made if it does not exist [default: a file beside the sessions]
     #[arg(long, value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
-    /// Database that several servers share, in place of files: postgres://user@host/database; the password may be in
-    /// `PGPASSWORD` or ~/.pgpass
-    #[arg(long, value_name = "ADDRESS", env = "LONGSTEP_STORE", hide_env_values = true)]
-    pub(crate) store: Option<String>,
-    /// Environment file that a session can begin in, by its name without `.json` (repeatable); demo scenes are shipped
+}
+
+/// The worlds, robots and model of a server.
+#[derive(Debug, Args)]
+pub(crate) struct HubArguments {
+    /// Environment file that sessions can begin in, by its name without `.json` (repeatable); demo scenes are shipped
     #[arg(long, value_name = "ENV.json")]
     pub(crate) env: Vec<PathBuf>,
     /// Domain of these environments: the name of a shipped domain, or a folder [default: household]

@@ -13,7 +13,7 @@ use crate::output::{self, Style, counted, print_line};
 const EXTENSION: &str = "jsonl";
 
 /// Returns the log of a run: a file, or the one with this name in the folder of runs.
-pub(super) fn log_named(named: &Path) -> Result<PathBuf> {
+pub(crate) fn log_named(named: &Path) -> Result<PathBuf> {
     if named.exists() || named.components().count() != 1 {
         return Ok(named.to_owned());
     }
@@ -31,7 +31,7 @@ pub(super) fn name_of(log: &Path) -> String {
 }
 
 /// Lists the runs in the folder of runs, the latest last.
-pub(super) fn list() -> Result<u8> {
+pub(crate) fn list() -> Result<u8> {
     let folder = runs_folder()?;
     let mut logs: Vec<(std::time::SystemTime, PathBuf)> = std::fs::read_dir(&folder)
         .into_iter()

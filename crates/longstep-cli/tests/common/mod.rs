@@ -254,6 +254,8 @@ pub fn longstep(home: &Path) -> Command {
         .env("LONGSTEP_CACHE", home.join("cache"))
         .env("NO_PROXY", "127.0.0.1")
         .env_remove("LONGSTEP_MODEL")
+        .env_remove("LONGSTEP_SERVER")
+        .env_remove("LONGSTEP_TOKEN")
         .env_remove("LONGSTEP_DOMAIN")
         .env_remove("LONGSTEP_SESSIONS")
         .env_remove("LONGSTEP_API_KEY")

@@ -1,6 +1,6 @@
 //! The difference between a request and the recorded requests.
 
-use super::wire::{WireConstraint, WireMessage, WirePicture, WireRequest};
+use crate::wire::{WireConstraint, WireMessage, WirePicture, WireRequest};
 
 /// Characters to show around a difference.
 const SHOWN: usize = 40;

@@ -4,8 +4,8 @@
 //! each request with its reply, and the tokens of each counted message. It contains no keys.
 
 mod difference;
+mod line;
 mod replay;
-mod wire;
 
 use std::collections::HashSet;
 use std::fs::File;
@@ -14,10 +14,11 @@ use std::path::{Path, PathBuf};
 
 use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, TokenCounter};
 
+use crate::wire::{WireHead, WireRequest};
 use crate::{ChatModel, ModelError, Watch};
+use line::{Line, WireCount};
 use longstep_files::append;
 pub(crate) use replay::Replay;
-use wire::{Line, WireCount, WireHead, WireRequest};
 
 /// A model whose requests and replies are appended to a file. Its answers are those of the wrapped model.
 pub struct Recording {

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, EstimatedTokens, Message, Reply, TokenCounter};
 
 use super::difference;
-use super::wire::{Line, VERSION, WireHead, WireMessage, WireReply, WireRequest};
+use super::line::Line;
+use crate::wire::{VERSION, WireHead, WireMessage, WireReply, WireRequest};
 use crate::{ChatModel, ModelError, Watch};
 use longstep_files::{LOG_LIMIT, read_text_bounded};
 

@@ -53,7 +53,10 @@ impl Endpoint {
             ModelReference::Anthropic { model } => Self::anthropic(model, variable),
             ModelReference::Gemini { model } => Self::gemini(model, variable),
             ModelReference::Server { url, model } => Ok(Self::other(url, model, variable)),
-            ModelReference::Catalogue(_) | ModelReference::File(_) | ModelReference::Replay(_) => return None,
+            ModelReference::Catalogue(_)
+            | ModelReference::File(_)
+            | ModelReference::Replay(_)
+            | ModelReference::Lent { .. } => return None,
         })
     }
 

@@ -15,6 +15,7 @@ use super::criterion::Criterion;
 use super::file::{Consequence, Lists, Servers, Text};
 use super::template::{Table, Template};
 use crate::lock;
+use crate::rosbridge::Address;
 
 /// The mark for every action without an entry of its own.
 pub(super) const ANY: &str = "*";
@@ -46,7 +47,7 @@ pub(super) const ANY: &str = "*";
 pub struct Configuration {
     pub(super) source: Source,
     pub(super) name: String,
-    pub(super) url: Url,
+    pub(super) url: Address,
     pub(super) simulated: bool,
     pub(super) allow: Vec<Text>,
     pub(super) parallel: usize,
@@ -59,6 +60,29 @@ pub struct Configuration {
     pub(super) tables: BTreeMap<String, Table>,
     pub(super) actions: Vec<ActionRule>,
     pub(super) observations: Vec<ObservationRule>,
+    pub(super) serving: Serving,
+}
+
+/// The topics and services of `longstep serve --ros2`: the table `[serve]` of `robot.toml`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Serving {
+    /// The beginning of the names of all topics and services.
+    pub namespace: String,
+    /// True if a caller may approve a plan; otherwise it can only begin what a person approved elsewhere.
+    pub approve: bool,
+    /// True if there are services besides the topics for requests. Their type is `longstep_msgs/srv/Ask`.
+    pub services: bool,
+}
+
+impl Default for Serving {
+    fn default() -> Self {
+        Self {
+            namespace: "/longstep".to_owned(),
+            approve: false,
+            services: false,
+        }
+    }
 }
 
 /// The text of `robot.toml`, for the places of findings.
@@ -66,15 +90,6 @@ pub struct Configuration {
 pub(super) struct Source {
     pub(super) file: String,
     pub(super) text: String,
-}
-
-/// The address of a bridge.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Url {
-    pub(super) host: String,
-    pub(super) port: u16,
-    /// The URL with its port.
-    pub(super) written: String,
 }
 
 /// How long the bridge and the servers may take.
@@ -214,6 +229,26 @@ impl Configuration {
     /// True for a robot in a simulation: it moves without `--live`.
     pub fn is_simulated(&self) -> bool {
         self.simulated
+    }
+
+    /// The address of the bridge.
+    pub fn address(&self) -> &Address {
+        &self.url
+    }
+
+    /// The topics and services of a server behind the bridge.
+    pub fn serving(&self) -> &Serving {
+        &self.serving
+    }
+
+    /// The longest wait for a connection to the bridge.
+    pub fn connect_limit(&self) -> Duration {
+        self.limits.connect
+    }
+
+    /// The longest time without any message of the bridge.
+    pub fn silence_limit(&self) -> Duration {
+        self.limits.silence
     }
 
     /// Reads the levels of autonomy and the limits of the robot. Places are looked up in the world, if there is one.

@@ -34,6 +34,9 @@ pub(super) struct RobotFile {
     pub(super) action: Vec<ActionEntry>,
     #[serde(default)]
     pub(super) observation: Vec<ObservationEntry>,
+    /// The topics and services of a server.
+    #[serde(default)]
+    pub(super) serve: ServeEntry,
     /// Levels of autonomy and limits, which [`longstep_core::autonomy`] reads.
     #[serde(default, rename = "autonomy")]
     _autonomy: IgnoredAny,
@@ -59,6 +62,19 @@ pub(super) struct HeartbeatEntry {
     pub(super) topic: Text,
     /// In seconds.
     pub(super) period: Option<Spanned<f64>>,
+}
+
+/// The topics and services of `longstep serve --ros2`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ServeEntry {
+    pub(super) namespace: Option<Text>,
+    /// True if a caller may approve a plan.
+    #[serde(default)]
+    pub(super) approve: bool,
+    /// True if there are services besides the topics for requests.
+    #[serde(default)]
+    pub(super) services: bool,
 }
 
 #[derive(Debug, Deserialize)]

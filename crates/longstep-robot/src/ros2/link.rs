@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::connection::{Connection, Lost, Read};
 use super::echo::Echo;
 use super::mapping::{GoalEnd, Mapping};
-use super::message::{self, Goal, Incoming, broken};
 use super::stopping::{Ended, StopFacts, Stopping};
 use crate::error::RobotError;
 use crate::order::Order;
 use crate::robot::{Feedback, Progress};
+use crate::rosbridge::message::{self, Goal, Incoming, broken};
+use crate::rosbridge::{Connection, Lost, Read};
 
 /// The feedback of an order that is kept until it is polled. Older feedback is dropped.
 const FEEDBACK_LIMIT: usize = 64;
@@ -121,7 +121,7 @@ impl Link {
         };
         if let Some(heartbeat) = link.mapping.configuration.heartbeat.clone() {
             let id = link.next_id();
-            link.send(&message::advertise(&id, &heartbeat.topic, HEARTBEAT));
+            link.send(&message::advertise(&id, &heartbeat.topic, HEARTBEAT, false));
             let id = link.next_id();
             link.send(&message::subscribe(&id, &heartbeat.topic, HEARTBEAT));
         }
@@ -407,7 +407,7 @@ impl Link {
                 }
             }
             Incoming::Status { id, is_error, text } => self.file_status(id.as_deref(), is_error, text)?,
-            Incoming::Other => {}
+            Incoming::Called { .. } | Incoming::Other => {}
         }
         Ok(())
     }

@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 
 use super::configuration::{ActionRule, Configuration};
 use super::file::Consequence;
-use super::message::{Goal, GoalStatus, quotation};
 use super::template::{Filter, Hole, HoleValues, Table, at};
 use crate::error::RobotError;
 use crate::order::Order;
 use crate::robot::{Feedback, Progress};
+use crate::rosbridge::message::{Goal, GoalStatus, quotation};
 
 /// The holes that every action has, besides its parameters and `skill.NAME`.
 pub(super) const ORDER_HOLES: [&str; 6] = ["step", "lane", "action", "arguments", "outcomes", "skills"];

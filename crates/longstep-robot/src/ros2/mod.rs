@@ -15,14 +15,12 @@
 
 mod check;
 mod configuration;
-mod connection;
 mod criterion;
 mod echo;
 mod file;
 mod leftover;
 mod link;
 mod mapping;
-mod message;
 mod observe;
 mod read;
 mod stopping;
@@ -37,11 +35,10 @@ use longstep_core::model::Domain;
 use serde_json::{Value, json};
 
 pub use check::{Checked, check};
-pub use configuration::Configuration;
+pub use configuration::{Configuration, Serving};
 pub use trial::{Trial, trials};
 
 use configuration::{ObservationRule, Origin};
-use connection::{Connection, wait_for};
 use link::{Answer, Link, status_topic};
 use mapping::Mapping;
 use stopping::has_no_active_goal;
@@ -50,6 +47,7 @@ use crate::description::{Description, Timeouts};
 use crate::error::RobotError;
 use crate::order::{Handle, Order};
 use crate::robot::{Progress, Robot, StopSwitch};
+use crate::rosbridge::{Connection, message, wait_for};
 use crate::scope::Scope;
 use longstep_core::environment::Observation;
 

@@ -9,9 +9,9 @@ use serde_json::{Map, Value};
 
 use super::configuration::{Configuration, ObservationRule, SayRule};
 use super::file::Lists;
-use super::message::{broken, quotation};
 use super::template::{Filter, Hole, HoleValues, Table, Template, at};
 use crate::error::RobotError;
+use crate::rosbridge::message::{broken, quotation};
 use longstep_core::environment::Observation;
 
 /// The most elements of one message.

@@ -10,12 +10,13 @@ use serde_json::{Map, Value, json};
 use toml::Spanned;
 
 use super::configuration::{
-    ANY, ActionRule, Configuration, Heartbeat, Limits, ObservationRule, Origin, OutcomeRule, SayRule, Service, Source,
-    Url,
+    ANY, ActionRule, Configuration, Heartbeat, Limits, ObservationRule, Origin, OutcomeRule, SayRule, Service, Serving,
+    Source,
 };
 use super::criterion::Criterion;
 use super::file::{ActionEntry, ObservationEntry, RobotFile, SayEntry, Servers, ServiceEntry, Text, TimeoutEntry};
 use super::template::{Filter, Table, Template, TemplateError};
+use crate::rosbridge::Address;
 
 /// The port of a bridge whose URL has none.
 const PORT: u16 = 9090;
@@ -130,6 +131,14 @@ impl Reader<'_> {
                 self.report(&allowed.span(), allowed.get_ref(), message);
             }
         }
+        let serving = Serving {
+            namespace: match &file.serve.namespace {
+                Some(namespace) => self.name(namespace, "namespace"),
+                None => Serving::default().namespace,
+            },
+            approve: file.serve.approve,
+            services: file.serve.services,
+        };
         let observations = file.observation.into_iter();
         let observations: Vec<ObservationRule> = observations
             .filter_map(|entry| self.observation(entry, &tables))
@@ -152,6 +161,7 @@ impl Reader<'_> {
             tables,
             actions,
             observations,
+            serving,
         };
         self.consistent(&configuration);
         Some(configuration)
@@ -171,7 +181,7 @@ impl Reader<'_> {
         }
     }
 
-    fn url(&mut self, text: &Text) -> Option<Url> {
+    fn url(&mut self, text: &Text) -> Option<Address> {
         let written = text.get_ref();
         let Some(rest) = written.strip_prefix("ws://") else {
             let message = format!("`{}` is no URL of a bridge", secret::address(written));
@@ -191,7 +201,7 @@ impl Reader<'_> {
         };
         let is_plain = |letter: char| letter.is_ascii_graphic() && !matches!(letter, '@' | '?' | '#');
         match port {
-            Some(port) if !host.is_empty() && rest.chars().all(is_plain) => Some(Url {
+            Some(port) if !host.is_empty() && rest.chars().all(is_plain) => Some(Address {
                 host: host.trim_matches(['[', ']']).to_owned(),
                 port,
                 written: format!("ws://{host}:{port}/{path}"),
@@ -460,7 +470,17 @@ states = "words"
             (Duration::from_secs(1), Duration::from_secs(5))
         );
         assert!(read.rule("grasp").is_some() && read.rule("release").is_none());
-        assert_eq!(read.url.written, "ws://127.0.0.1:9090/");
+        assert_eq!(read.address().to_string(), "ws://127.0.0.1:9090/");
+        assert_eq!(*read.serving(), Serving::default());
+        let served = GOOD.replace(
+            "[[action]]",
+            "[serve]\nnamespace = \"/kitchen\"\napprove = true\n[[action]]",
+        );
+        let read = Configuration::parse("robot.toml", &served).unwrap();
+        assert_eq!(
+            (read.serving().namespace.as_str(), read.serving().approve),
+            ("/kitchen", true)
+        );
     }
 
     #[test]
@@ -516,6 +536,11 @@ states = "words"
             "entity = \"{name}\"\n",
             "",
             "robot.toml:11:8: `entity` is missing: the identifier that the statements are about",
+        );
+        check(
+            "[[action]]",
+            "[serve]\nnamespace = \"kitchen\"\n[[action]]",
+            "robot.toml:5:14: `kitchen` is no full name of a namespace\n  hint: full names begin with `/`, such as `/arm/grasp`",
         );
         check(
             "allow",

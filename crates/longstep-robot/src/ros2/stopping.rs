@@ -7,9 +7,9 @@ use serde_json::Value;
 
 use super::LISTING;
 use super::configuration::{Configuration, Service};
-use super::connection::Connection;
-use super::message::{self, Incoming};
 use crate::error::RobotError;
+use crate::rosbridge::Connection;
+use crate::rosbridge::message::{self, Incoming};
 
 /// The time between two attempts to cancel, or to connect again.
 pub(super) const AGAIN: Duration = Duration::from_millis(150);

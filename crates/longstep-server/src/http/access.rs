@@ -112,6 +112,11 @@ impl Access {
         Self { token, hosts }
     }
 
+    /// Returns the names of the server, with its port.
+    pub(crate) fn hosts(&self) -> &[String] {
+        &self.hosts
+    }
+
     /// Compares a token, in a time that does not depend on where it differs.
     pub(crate) fn is_token(&self, text: &str) -> bool {
         is_same(text, &self.token.0)

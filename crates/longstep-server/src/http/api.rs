@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::{Extension, Path, State};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use longstep_core::environment::Observation;
+use longstep_llm::lent::{ChatCall, CountCall};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -16,6 +17,7 @@ use super::reply::{Asked, Reply};
 use crate::approval::APPROVAL_LIFETIME;
 use crate::hub::{Hub, NewSession};
 use crate::id::{ApprovalId, RunId, SessionId};
+use crate::lend::LentWork;
 use crate::problem::{Problem, ProblemKind};
 use crate::run::RunView;
 use crate::talk::Said;
@@ -72,6 +74,22 @@ impl From<Place> for NewSession {
             rules: place.rules,
         }
     }
+}
+
+pub(super) async fn model(State(shared): State<Shared>) -> Result {
+    lend(shared, LentWork::Describe).await
+}
+
+pub(super) async fn chat(State(shared): State<Shared>, Asked(call): Asked<ChatCall>) -> Result {
+    lend(shared, LentWork::Chat(call)).await
+}
+
+pub(super) async fn count(State(shared): State<Shared>, Asked(call): Asked<CountCall>) -> Result {
+    lend(shared, LentWork::Count(call)).await
+}
+
+async fn lend(shared: Shared, work: LentWork) -> Result {
+    Ok(Reply(shared.hub.lend(work).await?).into_response())
 }
 
 /// A plan that was written elsewhere.
@@ -312,6 +330,20 @@ pub(crate) async fn runs(State(shared): State<Shared>) -> Result {
         .map(|run| json!({"id": run.record.id, "session": run.record.session, "state": run.state}))
         .collect();
     Ok(Reply(json!({"runs": runs})).into_response())
+}
+
+/// Returns a run as a file to download.
+pub(crate) async fn recording(State(shared): State<Shared>, Path(id): Path<String>) -> Result {
+    let id = run_id(&id)?;
+    let name = format!("attachment; filename=\"{id}.mcap\"");
+    let bytes = blocking(shared, move |hub| hub.recording(&id)).await?;
+    let name = HeaderValue::from_str(&name).map_err(|error| Problem::new(ProblemKind::Internal, error.to_string()))?;
+    let kind = HeaderValue::from_static("application/octet-stream");
+    Ok((
+        [(header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, name)],
+        bytes,
+    )
+        .into_response())
 }
 
 pub(crate) async fn start(

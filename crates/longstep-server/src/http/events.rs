@@ -35,6 +35,10 @@ pub(crate) struct Wanted {
     after: Option<String>,
 }
 
+/// The time in which events gather before a reader looks: waking every reader for every event would take more time than
+/// all requests.
+const GATHER: Duration = Duration::from_millis(10);
+
 /// A reader of the live stream.
 struct Reader {
     shared: Shared,
@@ -107,7 +111,10 @@ impl Reader {
                         let wanted = events.into_iter().filter(|event| self.is_wanted(event));
                         self.ready = wanted.collect();
                     }
-                    None => self.newest.changed().await.ok()?,
+                    None => {
+                        self.newest.changed().await.ok()?;
+                        tokio::time::sleep(GATHER).await;
+                    }
                 },
             }
         }

@@ -3,6 +3,7 @@
 mod access;
 mod api;
 mod events;
+mod gate;
 mod openapi;
 mod pages;
 mod reply;

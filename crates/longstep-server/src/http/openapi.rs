@@ -22,6 +22,7 @@ pub fn document() -> Value {
         operations[route.method] = operation(&route);
     }
     paths.insert("/api/events".to_owned(), json!({"get": events()}));
+    paths.insert("/api/runs/{id}/mcap".to_owned(), json!({"get": recording()}));
     // The file is part of the program, and a test reads it.
     let schemas: Value = serde_json::from_str(SCHEMAS).unwrap_or_default();
     json!({
@@ -62,6 +63,7 @@ fn operation(route: &Route) -> Value {
     let mut operation = json!({
         "operationId": route.name,
         "summary": route.summary,
+        "tags": [route.group()],
         "parameters": parameters(route.path, is_say),
         "responses": responses,
     });
@@ -90,6 +92,7 @@ fn events() -> Value {
     let query = |name: &str, description: &str| json!({"name": name, "in": "query", "required": false, "description": description, "schema": {"type": "string"}});
     json!({
         "operationId": "events",
+        "tags": ["server"],
         "summary": "The live stream as server-sent events: `happened` with a change, `reset` when states are to be read anew",
         "parameters": [
             query("session", "Only events of this session"),
@@ -98,6 +101,18 @@ fn events() -> Value {
         ],
         "responses": {
             "200": {"description": "The stream", "content": {"text/event-stream": {"schema": {"type": "string"}}}},
+            "default": {"description": "The request is not fulfilled", "content": content("Error")},
+        },
+    })
+}
+
+fn recording() -> Value {
+    json!({
+        "operationId": "get_recording",
+        "summary": "A run as an MCAP file, as far as it went, for Foxglove and Lichtblick",
+        "parameters": parameters("{id}", false),
+        "responses": {
+            "200": {"description": "The file", "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}},
             "default": {"description": "The request is not fulfilled", "content": content("Error")},
         },
     })

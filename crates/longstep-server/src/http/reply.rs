@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use axum::body::{Body, to_bytes};
+use axum::body::{Body, HttpBody, to_bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -110,6 +110,9 @@ async fn body(body: Body, limit: usize) -> Result<Vec<u8>, Problem> {
         Problem::new(ProblemKind::TooLarge, format!("a body may have {} KiB", limit >> 10))
             .hint("send a smaller environment, plan or text")
     };
+    if usize::try_from(body.size_hint().lower()).is_ok_and(|length| length > limit) {
+        return Err(too_large());
+    }
     match tokio::time::timeout(SLOWEST, to_bytes(body, limit)).await {
         Ok(Ok(bytes)) => Ok(bytes.to_vec()),
         Ok(Err(_)) => Err(too_large()),

@@ -8,24 +8,27 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 
 use super::reply::body_of;
-use super::routes::routes;
-use super::{Shared, events, openapi, pages};
+use super::{Shared, api, events, openapi, pages, routes};
 use crate::problem::{Problem, ProblemKind};
 
-/// Returns the router of the server.
-pub(crate) fn router(shared: Shared) -> Router {
+/// Returns the paths of the server, for [`guard`].
+pub(crate) fn routes() -> Router<Shared> {
     let mut router = pages::mount(Router::new())
         .route("/api/events", get(events::events))
+        .route("/api/runs/{id}/mcap", get(api::recording))
         .route("/openapi.json", get(openapi::description));
-    for route in routes() {
+    for route in routes::routes() {
         router = router.route(route.path, route.handler);
     }
-    router
-        .fallback(pages::missing)
-        .method_not_allowed_fallback(async || {
-            let problem = Problem::new(ProblemKind::Missing, "this path does not take this method");
-            (StatusCode::METHOD_NOT_ALLOWED, body_of(&problem))
-        })
+    router.fallback(pages::missing).method_not_allowed_fallback(async || {
+        let problem = Problem::new(ProblemKind::Missing, "this path does not take this method");
+        (StatusCode::METHOD_NOT_ALLOWED, body_of(&problem))
+    })
+}
+
+/// Puts the guard before all paths.
+pub(crate) fn guard(routes: Router<Shared>, shared: Shared) -> Router {
+    routes
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
         .with_state(shared)
 }
@@ -50,8 +53,20 @@ async fn guarded(State(shared): State<Shared>, request: Request, next: Next) -> 
     let wants_page = pages::wants_page(&request);
     let mut response = match admitted(&shared, request, next).await {
         Ok(response) => response,
-        Err(problem) if wants_page => pages::failed(&problem),
-        Err(problem) => problem.into_response(),
+        Err(problem) => {
+            let is_stranger = matches!(problem.kind, ProblemKind::Unknown | ProblemKind::Forbidden);
+            let mut response = if wants_page {
+                pages::failed(&problem)
+            } else {
+                problem.into_response()
+            };
+            if is_stranger {
+                // Nobody without the token holds a connection.
+                let close = HeaderValue::from_static("close");
+                response.headers_mut().insert(header::CONNECTION, close);
+            }
+            response
+        }
     };
     for (name, value) in HEADERS {
         response.headers_mut().insert(name, HeaderValue::from_static(value));

@@ -19,6 +19,18 @@ pub(crate) struct Route {
     pub(crate) handler: MethodRouter<Shared>,
 }
 
+impl Route {
+    /// Returns the group of the operation in the description, by which generated clients are divided into modules.
+    pub(crate) fn group(&self) -> &'static str {
+        match self.path.split('/').nth(2) {
+            Some("sessions") => "sessions",
+            Some("runs" | "stop") => "runs",
+            Some("plan" | "verify" | "repair" | "solve") => "plans",
+            _ => "server",
+        }
+    }
+}
+
 macro_rules! routes {
     ($($method:ident $path:literal $name:ident ($body:expr) -> $status:literal $answer:literal : $summary:literal = $handler:expr;)*) => {
         vec![$(Route {
@@ -37,6 +49,9 @@ macro_rules! routes {
 pub(crate) fn routes() -> Vec<Route> {
     routes! {
         get "/api/server" server (None) -> 200 "Server": "The model, domains, scenes and robots" = api::server;
+        get "/api/model" get_model (None) -> 200 "LentModel": "The model that `LONGSTEP_SERVER` lends to other programs" = api::model;
+        post "/api/model/chat" chat (Some("ChatCall")) -> 200 "ChatReply": "Let the model answer a request as it is" = api::chat;
+        post "/api/model/count" count_tokens (Some("CountCall")) -> 200 "TokenCount": "Count the tokens of messages" = api::count;
         get "/api/sessions" list_sessions (None) -> 200 "SessionList": "All sessions" = api::sessions;
         post "/api/sessions" create_session (Some("Place")) -> 201 "Session": "Begin a session in a world" = api::create;
         get "/api/sessions/{id}" get_session (None) -> 200 "Session": "A session as it is now" = api::one_session;
@@ -45,7 +60,7 @@ pub(crate) fn routes() -> Vec<Route> {
         post "/api/sessions/{id}/answer" answer (Some("Words")) -> 200 "Session": "Answer the question" = api::answer;
         post "/api/sessions/{id}/feedback" feedback (Some("Words")) -> 200 "Session": "Say what is to be different" = api::feedback;
         post "/api/sessions/{id}/cancel" cancel (None) -> 200 "Session": "Cancel the instruction, or the work of the model" = api::cancel;
-        post "/api/sessions/{id}/accept" accept (Some("Hash")) -> 200 "Session": "Accept the plan with this hash; nothing moves" = api::accept;
+        post "/api/sessions/{id}/accept" accept (Some("PlanHash")) -> 200 "Session": "Accept the plan with this hash; nothing moves" = api::accept;
         post "/api/sessions/{id}/undo" undo (None) -> 200 "Session": "Revert the last accepted plan" = api::undo;
         post "/api/sessions/{id}/ended" ended (Some("Ending")) -> 200 "Session": "Say which ending the last plan had" = api::ended;
         post "/api/sessions/{id}/observed" observed (Some("Observation")) -> 200 "Session": "Report what the world is like" = api::observed;

@@ -165,8 +165,8 @@ impl Shared {
                 offer.plan, ready.robot, offer.session
             ),
             None => {
-                "ask the person to use a client that shows forms (elicitation), or to start this server with a page; \
-                     the plan can be carried out from there"
+                "ask the person to use a client that shows forms (elicitation), or to start this server with a page \
+                 (`longstep mcp --listen 127.0.0.1:8765`); the plan can be carried out from there"
                     .to_owned()
             }
         };

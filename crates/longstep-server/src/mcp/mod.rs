@@ -15,7 +15,7 @@
 //!
 //! let store = Arc::new(FileStore::open("state/sessions".as_ref())?);
 //! let hub = Hub::open(Configuration::new(store, Domains::new(&[], Scene::shipped())?))?;
-//! serve_stdio(hub, McpOptions::new(NewSession::of_scene("pantry")))?;
+//! serve_stdio(hub, McpOptions::new(NewSession::of_scene("pantry")), std::future::pending())?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

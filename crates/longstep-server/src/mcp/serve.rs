@@ -44,17 +44,25 @@ impl From<Problem> for McpError {
     }
 }
 
-/// Serves one client on standard input and output, and blocks until it has gone. Robots that still move are stopped then.
+/// Serves one client on standard input and output, and blocks until it has gone or `ended` completes. All robots are stopped
+/// then.
 ///
 /// Nothing else may write to standard output. The function has a runtime of its own: call it outside of one.
 ///
 /// # Errors
 ///
 /// The server cannot begin, or the client does not speak the protocol. A client that goes away is none.
-pub fn serve_stdio(hub: Arc<Hub>, options: McpOptions) -> Result<(), McpError> {
+pub fn serve_stdio(hub: Arc<Hub>, options: McpOptions, ended: impl Future<Output = ()>) -> Result<(), McpError> {
     let runtime = Builder::new_multi_thread().worker_threads(THREADS).enable_all().build();
     let runtime = runtime.map_err(|error| McpError::Begin(error.to_string()))?;
-    let result = runtime.block_on(serve(hub, options, rmcp::transport::stdio()));
+    let result = runtime.block_on(async {
+        tokio::select! {
+            result = serve(Arc::clone(&hub), options, rmcp::transport::stdio()) => result,
+            () = ended => Ok(()),
+        }
+    });
+    // Whoever ends the server may not be able to stop a robot otherwise.
+    let _ = hub.stop_all("the end of the server");
     // The thread that reads standard input cannot be interrupted.
     runtime.shutdown_background();
     result

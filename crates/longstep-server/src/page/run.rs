@@ -37,6 +37,9 @@ pub(crate) fn run(hub: &Hub, id: &RunId, stop_was_sent: bool, attempt: Option<&A
                 " · on " strong { (run.record.robot) } " · begun by " (run.record.by)
                 " · plan " code title=(run.record.plan) { (short(&run.record.plan)) }
                 @if run.dry_run { " · dry run: nothing moves" }
+                @if !matches!(run.state, RunState::Queued | RunState::Opening) {
+                    " · " a href={ "/api/runs/" (run.record.id) "/mcap" } download { "Recording (MCAP)" }
+                }
             }
             h1 { (run.record.instruction) }
             p #state role="status" data-state=(run.state.name()) { (sentence(&run)) }

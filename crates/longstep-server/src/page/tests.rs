@@ -18,10 +18,7 @@ use crate::id::{RunId, SessionId};
 use crate::problem::{Problem, ProblemKind};
 use crate::run::Body;
 
-#[path = "../../tests/support/mod.rs"]
-mod support;
-
-use support::{hub, simulated, until};
+use crate::support::{self, hub, simulated, until};
 
 /// A name that would be markup, and that turns the text behind it around.
 const HOSTILE: &str = "\"><script>alert(1)</script><img src=x onerror=alert(2)>&amp;\u{202e}'";

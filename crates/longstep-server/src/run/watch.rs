@@ -1,9 +1,10 @@
 //! The people beside a run: its log, its view, and their answers.
 
+use jiff::Timestamp;
 use longstep_core::domain::phrase;
 use longstep_core::execution::{Board, Effect, Event, Execution, Proposal, StepOrder, Subject, Unseen};
 use longstep_core::plan::outline;
-use longstep_robot::{Feedback, RobotError, Watcher};
+use longstep_robot::{Feedback, RobotError, RunLog, Watcher};
 
 use super::hosted::HostedRun;
 use super::view::{QuestionView, RunState};
@@ -74,11 +75,7 @@ impl<'r> Watching<'r> {
 
 impl Watcher for Watching<'_> {
     fn record(&mut self, execution: &Execution, events: &[Event]) -> Result<(), String> {
-        let mut lines = String::new();
-        for event in events {
-            lines.push_str(&serde_json::to_string(event).map_err(|error| error.to_string())?);
-            lines.push('\n');
-        }
+        let lines = RunLog::lines(events, Timestamp::now()).map_err(|error| error.to_string())?;
         let rights = self.run.rights();
         let kept = rights.and_then(|rights| rights.log.append(&lines, Durability::Now));
         kept.map_err(|error| error.to_string())?;

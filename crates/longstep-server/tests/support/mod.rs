@@ -2,10 +2,11 @@
 
 #![allow(dead_code, clippy::unwrap_used, missing_docs, unreachable_pub)]
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, TokenCounter};
+use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, Task, TokenCounter};
 use longstep_core::environment::World;
 use longstep_llm::{ChatModel, ModelError, Progress, Watch};
 use longstep_robot::{Opened, RunStart, Sim, SimOptions, StopRequest};
@@ -17,7 +18,7 @@ use tempfile::TempDir;
 
 /// A model that answers with the goal behind the first instruction of the table that the request contains. Instructions
 /// that contain "wait" are answered only when the call is stopped. A goal that begins with `?` is a question, one that
-/// begins with `{` the whole answer.
+/// begins with `{` the whole answer. Feedback concerns the goal, and leads to the one of the table.
 pub struct Scripted(pub Vec<(&'static str, &'static str)>);
 
 impl TokenCounter for Scripted {
@@ -51,6 +52,9 @@ impl ChatModel for Scripted {
                 return Err(ModelError::Stopped);
             }
             std::thread::sleep(Duration::from_millis(2));
+        }
+        if request.task == Task::Plans {
+            return Ok(Reply::complete(r#"{"question": "", "goal": true, "edits": []}"#));
         }
         let known = self.0.iter().find(|(words, _)| asked.contains(words));
         let (goal, question) = match known {
@@ -91,15 +95,15 @@ pub fn simulated(name: &str, options: SimOptions, body: Body) -> RobotEntry {
     RobotEntry::new(name, "sim", Arc::new(open)).with_body(body)
 }
 
-pub fn store(folder: &TempDir) -> Arc<dyn Store> {
-    Arc::new(FileStore::open(&folder.path().join("sessions")).unwrap())
+pub fn store(folder: &Path) -> Arc<dyn Store> {
+    Arc::new(FileStore::open(&folder.join("sessions")).unwrap())
 }
 
 /// Opens a hub with the scripted model and these robots. One that a test has dropped may take a moment to end.
 pub fn hub(folder: &TempDir, robots: Vec<RobotEntry>) -> Arc<Hub> {
     let began = Instant::now();
     loop {
-        match hub_at(store(folder), robots.clone()) {
+        match hub_at(store(folder.path()), robots.clone()) {
             Ok(hub) => return hub,
             Err(problem) => assert!(began.elapsed() < Duration::from_secs(10), "{problem}"),
         }

@@ -168,6 +168,32 @@ impl Session {
         }
     }
 
+    /// Returns true if the next plan that is accepted takes the place of those that wait for a robot: the world was observed
+    /// since they were accepted, so it begins in a world without their effects. A robot should not be carrying one of them
+    /// out then.
+    ///
+    /// ```
+    /// # use longstep::Planner;
+    /// # use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
+    /// # use longstep::session::{ModelFacts, Settings};
+    /// # let planner = Planner::shipped("household")?;
+    /// # let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    /// #     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+    /// # let script = ModelFacts::new("script", ConstraintKind::JsonSchema);
+    /// # let mut session = planner.session(world, Settings::default(), script)?;
+    /// session.instruct("Put the pen on the shelf")?;
+    /// # session.next_request(&mut EstimatedTokens::default())?;
+    /// session.supply(&Reply::complete(r#"{"question": "", "goal": "put(pen, shelf)", "left_out": []}"#), 0.0)?;
+    /// session.accept()?;
+    /// assert!(!session.replaces_pending());
+    /// session.observed(&serde_json::from_str(r#"{"states": {"<pen>": "on_something(<desk>)"}}"#)?)?;
+    /// assert!(session.replaces_pending());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn replaces_pending(&self) -> bool {
+        self.pending.is_left
+    }
+
     /// Notes that a plan is about to be accepted.
     pub(super) fn extend_pending(&mut self) {
         if std::mem::take(&mut self.pending.is_left) {

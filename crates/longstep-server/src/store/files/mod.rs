@@ -38,11 +38,20 @@ impl FileStore {
     ///
     /// When a folder cannot be created.
     pub fn open(sessions: &Path) -> Result<Self, StoreError> {
+        Self::open_named(sessions, "server")
+    }
+
+    /// Opens a store whose approvals and audit log are in the folder of this name, beside the sessions and the runs.
+    ///
+    /// # Errors
+    ///
+    /// When a folder cannot be created.
+    pub fn open_named(sessions: &Path, name: &str) -> Result<Self, StoreError> {
         let state = sessions.parent().unwrap_or(sessions);
         let store = Self {
             sessions: sessions.to_owned(),
             runs: state.join("runs"),
-            server: state.join("server"),
+            server: state.join(name),
             registry: Registry::default(),
         };
         for folder in [

@@ -9,10 +9,10 @@ use tungstenite::handshake::HandshakeError;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket};
 
-use super::configuration::Url;
+use super::address::Address;
 
 /// The longest message of a bridge, in bytes.
-pub(super) const MESSAGE_LIMIT: usize = 4 << 20;
+const MESSAGE_LIMIT: usize = 4 << 20;
 
 /// The most that waits for a bridge that does not read, in bytes.
 const UNSENT_LIMIT: usize = 8 << 20;
@@ -20,7 +20,8 @@ const UNSENT_LIMIT: usize = 8 << 20;
 /// The time between two looks at a handshake.
 const LOOK: Duration = Duration::from_millis(2);
 
-pub(super) struct Connection {
+/// A WebSocket to a bridge.
+pub struct Connection {
     socket: WebSocket<TcpStream>,
     /// True if a part of a message is not sent yet.
     is_behind: bool,
@@ -28,7 +29,8 @@ pub(super) struct Connection {
 
 /// The result of a read.
 #[derive(Debug, PartialEq)]
-pub(super) enum Read {
+pub enum Read {
+    /// A message, which [`super::read`] reads.
     Text(String),
     /// A sign of life without content.
     Alive,
@@ -37,11 +39,13 @@ pub(super) enum Read {
 }
 
 /// The reason why a connection cannot be used any more.
-#[derive(Debug, PartialEq)]
-pub(super) enum Lost {
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub enum Lost {
     /// It was closed, or broke.
+    #[error("{0}")]
     Closed(String),
     /// The bridge sent what is no message of the protocol.
+    #[error("the bridge broke the protocol: {0}")]
     Broken(String),
 }
 
@@ -55,8 +59,8 @@ impl std::fmt::Debug for Connection {
 }
 
 /// Returns the addresses of a bridge.
-pub(super) fn addresses(url: &Url) -> Result<Vec<SocketAddr>, String> {
-    let found = (url.host.as_str(), url.port).to_socket_addrs();
+fn socket_addresses(address: &Address) -> Result<Vec<SocketAddr>, String> {
+    let found = (address.host.as_str(), address.port).to_socket_addrs();
     let found: Vec<SocketAddr> = found.map_err(|error| error.to_string())?.collect();
     if found.is_empty() {
         Err("the host has no address".to_owned())
@@ -66,32 +70,32 @@ pub(super) fn addresses(url: &Url) -> Result<Vec<SocketAddr>, String> {
 }
 
 impl Connection {
-    /// Connects to a bridge.
+    /// Connects to a bridge, and waits at most as long as the limit for each of its addresses.
     ///
     /// # Errors
     ///
     /// The reason.
-    pub(super) fn open(url: &Url, limit: Duration) -> Result<Self, String> {
+    pub fn open(address: &Address, limit: Duration) -> Result<Self, String> {
         let deadline = Instant::now() + limit;
         let mut reason = String::new();
-        for address in addresses(url)? {
+        for socket in socket_addresses(address)? {
             let left = deadline.saturating_duration_since(Instant::now()).max(LOOK);
-            match TcpStream::connect_timeout(&address, left) {
-                Ok(stream) => return Self::greet(url, stream, deadline),
+            match TcpStream::connect_timeout(&socket, left) {
+                Ok(stream) => return Self::greet(address, stream, deadline),
                 Err(error) => reason = error.to_string(),
             }
         }
         Err(reason)
     }
 
-    fn greet(url: &Url, stream: TcpStream, deadline: Instant) -> Result<Self, String> {
+    fn greet(address: &Address, stream: TcpStream, deadline: Instant) -> Result<Self, String> {
         let prepared = stream.set_nodelay(true).and_then(|()| stream.set_nonblocking(true));
         prepared.map_err(|error| error.to_string())?;
         let config = WebSocketConfig::default()
             .max_message_size(Some(MESSAGE_LIMIT))
             .max_frame_size(Some(MESSAGE_LIMIT))
             .max_write_buffer_size(UNSENT_LIMIT);
-        let mut attempt = client_with_config(url.written.as_str(), stream, Some(config));
+        let mut attempt = client_with_config(address.written.as_str(), stream, Some(config));
         loop {
             match attempt {
                 Ok((socket, _)) => {
@@ -113,24 +117,36 @@ impl Connection {
     }
 
     /// Returns a handle to wait for what the bridge sends.
-    pub(super) fn watched(&self) -> Option<TcpStream> {
+    pub fn watched(&self) -> Option<TcpStream> {
         self.socket.get_ref().try_clone().ok()
     }
 
     /// Sends a message, or as much of it as the bridge takes.
-    pub(super) fn send(&mut self, message: &Value) -> Result<(), Lost> {
+    ///
+    /// # Errors
+    ///
+    /// The connection cannot be used any more.
+    pub fn send(&mut self, message: &Value) -> Result<(), Lost> {
         let sent = self.socket.send(Message::text(message.to_string()));
         self.written(sent)
     }
 
     /// Sends what is left.
-    pub(super) fn flush(&mut self) -> Result<(), Lost> {
+    ///
+    /// # Errors
+    ///
+    /// The connection cannot be used any more.
+    pub fn flush(&mut self) -> Result<(), Lost> {
         let sent = self.socket.flush();
         self.written(sent)
     }
 
     /// Asks for a sign of life.
-    pub(super) fn ping(&mut self) -> Result<(), Lost> {
+    ///
+    /// # Errors
+    ///
+    /// The connection cannot be used any more.
+    pub fn ping(&mut self) -> Result<(), Lost> {
         let sent = self.socket.send(Message::Ping(Vec::new().into()));
         self.written(sent)
     }
@@ -149,12 +165,16 @@ impl Connection {
     }
 
     /// True if a part of a message is not sent yet.
-    pub(super) fn is_behind(&self) -> bool {
+    pub fn is_behind(&self) -> bool {
         self.is_behind
     }
 
     /// Reads a message, if one is there.
-    pub(super) fn read(&mut self) -> Result<Read, Lost> {
+    ///
+    /// # Errors
+    ///
+    /// The connection cannot be used any more.
+    pub fn read(&mut self) -> Result<Read, Lost> {
         match self.socket.read() {
             Ok(Message::Text(text)) => Ok(Read::Text(text.as_str().to_owned())),
             Ok(Message::Binary(_)) => Err(Lost::Broken("it sent a binary message".to_owned())),
@@ -166,7 +186,7 @@ impl Connection {
     }
 
     /// Closes the connection in order.
-    pub(super) fn close(&mut self) {
+    pub fn close(&mut self) {
         // The connection ends in any case: an error changes nothing.
         drop(self.socket.close(None));
         drop(self.socket.flush());
@@ -191,7 +211,7 @@ fn lost(error: Error) -> Lost {
 
 /// Waits until the bridge sends something, or the time is over.
 #[cfg(unix)]
-pub(super) fn wait_for(stream: &TcpStream, limit: Duration) {
+pub fn wait_for(stream: &TcpStream, limit: Duration) {
     use rustix::event::{PollFd, PollFlags, Timespec, poll};
     let limit = Timespec {
         tv_sec: limit.as_secs().cast_signed(),
@@ -207,6 +227,6 @@ pub(super) fn wait_for(stream: &TcpStream, limit: Duration) {
 
 /// Waits a moment.
 #[cfg(not(unix))]
-pub(super) fn wait_for(_: &TcpStream, limit: Duration) {
+pub fn wait_for(_: &TcpStream, limit: Duration) {
     std::thread::sleep(limit.min(Duration::from_millis(5)));
 }

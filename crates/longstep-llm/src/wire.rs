@@ -1,7 +1,7 @@
-//! The lines of a recording.
+//! Requests and replies as JSON: in recordings, and between a program and a server that lends its model.
 
 use longstep::dialogue::{
-    ChatRequest, Constraint, ConstraintKind, Counting, Finish, Likelihood, Message, Picture, Reply, Role, Usage,
+    ChatRequest, Constraint, ConstraintKind, Counting, Finish, Likelihood, Message, Picture, Reply, Role, Task, Usage,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -10,68 +10,47 @@ use sha2::{Digest, Sha256};
 use crate::ChatModel;
 
 /// The version of the format.
-pub(super) const VERSION: u32 = 1;
+pub(crate) const VERSION: u32 = 1;
 
-/// One line: an object with one key, which names its kind.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Line {
-    /// The recorded model; the first line.
-    Recording(WireHead),
-    /// A request and its reply.
-    Turn { request: WireRequest, reply: WireReply },
-    /// A counted message.
-    Count(WireCount),
-    /// The tokens around the messages of a conversation.
-    Frame(u64),
-}
-
-/// The recorded model.
+/// A model.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct WireHead {
+pub(crate) struct WireHead {
     /// The version of the format, see [`VERSION`].
-    pub(super) version: u32,
-    pub(super) name: String,
-    pub(super) constraint_kind: WireKind,
-    pub(super) counting: WireCounting,
-    pub(super) context_tokens: Option<u64>,
+    pub(crate) version: u32,
+    pub(crate) name: String,
+    pub(crate) constraint_kind: WireKind,
+    pub(crate) counting: WireCounting,
+    pub(crate) context_tokens: Option<u64>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum WireKind {
+pub(crate) enum WireKind {
     Grammar,
     JsonSchema,
 }
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum WireCounting {
+pub(crate) enum WireCounting {
     Exact(String),
     Estimate(String),
 }
 
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct WireCount {
-    #[serde(flatten)]
-    pub(super) message: WireMessage,
-    pub(super) tokens: u64,
-}
-
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub(super) struct WireMessage {
-    pub(super) role: WireRole,
-    pub(super) text: String,
+pub(crate) struct WireMessage {
+    pub(crate) role: WireRole,
+    pub(crate) text: String,
     /// The pictures by their hashes: a recording has no copies of them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) pictures: Vec<WirePicture>,
+    pub(crate) pictures: Vec<WirePicture>,
 }
 
 /// A picture, identified by its SHA-256 hash.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub(super) struct WirePicture {
-    pub(super) media_type: String,
-    pub(super) sha256: String,
+pub(crate) struct WirePicture {
+    pub(crate) media_type: String,
+    pub(crate) sha256: String,
 }
 
 impl From<&Picture> for WirePicture {
@@ -86,7 +65,7 @@ impl From<&Picture> for WirePicture {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum WireRole {
+pub(crate) enum WireRole {
     System,
     User,
     Assistant,
@@ -94,23 +73,23 @@ pub(super) enum WireRole {
 
 /// The content of a request. The number of fixed messages only affects speed and is left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct WireRequest {
-    pub(super) messages: Vec<WireMessage>,
-    pub(super) answer_so_far: String,
-    pub(super) constraint: WireConstraint,
-    pub(super) max_tokens: u32,
+pub(crate) struct WireRequest {
+    pub(crate) messages: Vec<WireMessage>,
+    pub(crate) answer_so_far: String,
+    pub(crate) constraint: WireConstraint,
+    pub(crate) max_tokens: u32,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum WireConstraint {
+pub(crate) enum WireConstraint {
     Free,
     Lark(String),
     JsonSchema(Value),
 }
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct WireReply {
+pub(crate) struct WireReply {
     text: String,
     finish: WireFinish,
     prompt_tokens: u64,
@@ -118,6 +97,39 @@ pub(super) struct WireReply {
     completion_tokens: u64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     likelihood: Option<Likelihood>,
+}
+
+/// The task of a request, which decides about adapters.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum WireTask {
+    Goals,
+    Description,
+    Plans,
+    #[default]
+    Other,
+}
+
+impl From<Task> for WireTask {
+    fn from(task: Task) -> Self {
+        match task {
+            Task::Goals => Self::Goals,
+            Task::Description => Self::Description,
+            Task::Plans => Self::Plans,
+            Task::Other => Self::Other,
+        }
+    }
+}
+
+impl From<WireTask> for Task {
+    fn from(task: WireTask) -> Self {
+        match task {
+            WireTask::Goals => Self::Goals,
+            WireTask::Description => Self::Description,
+            WireTask::Plans => Self::Plans,
+            WireTask::Other => Self::Other,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -129,7 +141,7 @@ enum WireFinish {
 }
 
 impl WireHead {
-    pub(super) fn of(model: &dyn ChatModel) -> Self {
+    pub(crate) fn of(model: &dyn ChatModel) -> Self {
         Self {
             version: VERSION,
             name: model.name().to_owned(),
@@ -145,14 +157,14 @@ impl WireHead {
         }
     }
 
-    pub(super) fn kind(&self) -> ConstraintKind {
+    pub(crate) fn kind(&self) -> ConstraintKind {
         match self.constraint_kind {
             WireKind::Grammar => ConstraintKind::Grammar,
             WireKind::JsonSchema => ConstraintKind::JsonSchema,
         }
     }
 
-    pub(super) fn counting(&self) -> Counting {
+    pub(crate) fn counting(&self) -> Counting {
         match &self.counting {
             WireCounting::Exact(how) => Counting::Exact(how.clone()),
             WireCounting::Estimate(how) => Counting::Estimate(how.clone()),
@@ -174,8 +186,27 @@ impl From<&Message> for WireMessage {
     }
 }
 
+impl WireMessage {
+    /// Returns the message as a model takes it.
+    ///
+    /// # Errors
+    ///
+    /// It has pictures, of which only the hashes are here.
+    pub(crate) fn whole(self) -> Result<Message, &'static str> {
+        if !self.pictures.is_empty() {
+            return Err("a lent model takes no pictures");
+        }
+        let role = match self.role {
+            WireRole::System => Role::System,
+            WireRole::User => Role::User,
+            WireRole::Assistant => Role::Assistant,
+        };
+        Ok(Message::new(role, self.text))
+    }
+}
+
 impl WireRequest {
-    pub(super) fn of(request: &ChatRequest) -> Self {
+    pub(crate) fn of(request: &ChatRequest) -> Self {
         Self {
             messages: request.messages.iter().map(WireMessage::from).collect(),
             answer_so_far: request.answer_so_far.clone(),
@@ -186,6 +217,27 @@ impl WireRequest {
             },
             max_tokens: request.max_tokens,
         }
+    }
+
+    /// Returns the request as a model takes it.
+    ///
+    /// # Errors
+    ///
+    /// It has pictures, of which only the hashes are here.
+    pub(crate) fn whole(self, task: Task, fixed: usize) -> Result<ChatRequest, &'static str> {
+        let messages: Result<Vec<Message>, _> = self.messages.into_iter().map(WireMessage::whole).collect();
+        Ok(ChatRequest {
+            task,
+            messages: messages?,
+            fixed,
+            answer_so_far: self.answer_so_far,
+            constraint: match self.constraint {
+                WireConstraint::Free => Constraint::Free,
+                WireConstraint::Lark(grammar) => Constraint::Lark(grammar),
+                WireConstraint::JsonSchema(schema) => Constraint::JsonSchema(schema),
+            },
+            max_tokens: self.max_tokens,
+        })
     }
 }
 

@@ -10,21 +10,28 @@ const QUOTE_LIMIT: usize = 300;
 
 /// A goal for an action server.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Goal {
-    pub(super) server: String,
-    pub(super) kind: String,
-    pub(super) fields: Value,
+pub(crate) struct Goal {
+    pub(crate) server: String,
+    pub(crate) kind: String,
+    pub(crate) fields: Value,
 }
 
 /// The state of a goal, with the numbers of `action_msgs/msg/GoalStatus`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum GoalStatus {
+pub enum GoalStatus {
+    /// Nothing is known.
     Unknown,
+    /// The server accepted it.
     Accepted,
+    /// It is under way.
     Executing,
+    /// It is being cancelled.
     Canceling,
+    /// It succeeded.
     Succeeded,
+    /// It was cancelled.
     Cancelled,
+    /// It failed.
     Aborted,
 }
 
@@ -45,29 +52,56 @@ impl GoalStatus {
 
 /// A message of the bridge.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Incoming {
+#[non_exhaustive]
+pub enum Incoming {
+    /// Feedback of an action server about a goal.
     Feedback {
+        /// The id of the goal.
         id: String,
+        /// The fields of the feedback.
         values: Value,
     },
+    /// The end of a goal.
     Result {
+        /// The id of the goal.
         id: String,
+        /// The state in which it ended, if the bridge says it.
         status: Option<GoalStatus>,
+        /// The fields of the result, or a text.
         values: Value,
     },
+    /// The answer to a call of a service.
     Response {
+        /// The id of the call.
         id: String,
+        /// False if the call failed; then `values` is a text.
         is_success: bool,
+        /// The fields of the answer.
         values: Value,
     },
+    /// A call of a service that this program offers.
+    Called {
+        /// The id that the answer names.
+        id: String,
+        /// The service.
+        service: String,
+        /// The fields of the request.
+        arguments: Value,
+    },
+    /// A message of a subscribed topic.
     Published {
+        /// The topic.
         topic: String,
+        /// The fields of the message.
         message: Value,
     },
     /// A remark about a request, or about the bridge itself.
     Status {
+        /// The id of the request.
         id: Option<String>,
+        /// True if the request failed.
         is_error: bool,
+        /// The remark.
         text: String,
     },
     /// An operation that nothing here asked for.
@@ -75,7 +109,7 @@ pub(super) enum Incoming {
 }
 
 /// Returns foreign text on one line, shortened.
-pub(super) fn quotation(text: &str) -> String {
+pub(crate) fn quotation(text: &str) -> String {
     let text = secret::redacted(text);
     let mut short: String = text.chars().take(QUOTE_LIMIT).collect();
     if short.len() < text.len() {
@@ -85,7 +119,7 @@ pub(super) fn quotation(text: &str) -> String {
 }
 
 /// Returns the error for a message that breaks the protocol.
-pub(super) fn broken(reason: impl Into<String>) -> RobotError {
+pub(crate) fn broken(reason: impl Into<String>) -> RobotError {
     RobotError::Protocol { reason: reason.into() }
 }
 
@@ -94,7 +128,7 @@ pub(super) fn broken(reason: impl Into<String>) -> RobotError {
 /// # Errors
 ///
 /// A text that is no message, or that lacks what its operation needs.
-pub(super) fn read(text: &str) -> Result<Incoming, RobotError> {
+pub fn read(text: &str) -> Result<Incoming, RobotError> {
     let quoted = || format!("`{}`", quotation(text));
     let value: Value =
         serde_json::from_str(text).map_err(|_| broken(format!("the bridge sent what is not JSON: {}", quoted())))?;
@@ -120,6 +154,11 @@ pub(super) fn read(text: &str) -> Result<Incoming, RobotError> {
             is_success: fields.get("result").and_then(Value::as_bool).unwrap_or(true),
             values: take(&mut fields, "values"),
         },
+        "call_service" => Incoming::Called {
+            id: needed()?,
+            service: text_of(&fields, "service").ok_or_else(|| unfit("has no `service`"))?,
+            arguments: take(&mut fields, "args"),
+        },
         "publish" => Incoming::Published {
             topic: text_of(&fields, "topic").ok_or_else(|| unfit("has no `topic`"))?,
             message: take(&mut fields, "msg"),
@@ -142,18 +181,18 @@ fn take(fields: &mut Map<String, Value>, name: &str) -> Value {
 }
 
 /// Returns the message that sends a goal.
-pub(super) fn send_goal(id: &str, goal: &Goal) -> Value {
+pub(crate) fn send_goal(id: &str, goal: &Goal) -> Value {
     json!({"op": "send_action_goal", "id": id, "action": goal.server, "action_type": goal.kind, "args": goal.fields,
            "feedback": true})
 }
 
 /// Returns the message that cancels a goal.
-pub(super) fn cancel_goal(id: &str, server: &str) -> Value {
+pub(crate) fn cancel_goal(id: &str, server: &str) -> Value {
     json!({"op": "cancel_action_goal", "id": id, "action": server})
 }
 
 /// Returns the call of a service.
-pub(super) fn call(id: &str, service: &str, kind: Option<&str>, request: &Value, seconds: f64) -> Value {
+pub(crate) fn call(id: &str, service: &str, kind: Option<&str>, request: &Value, seconds: f64) -> Value {
     let mut call = json!({"op": "call_service", "id": id, "service": service, "args": request, "timeout": seconds});
     if let Some(kind) = kind {
         call["type"] = json!(kind);
@@ -162,7 +201,7 @@ pub(super) fn call(id: &str, service: &str, kind: Option<&str>, request: &Value,
 }
 
 /// Returns the call that cancels goals of a server: the goal with an identifier, or all with none.
-pub(super) fn cancel_call(id: &str, server: &str, goal: Option<[u8; 16]>, seconds: f64) -> Value {
+pub(crate) fn cancel_call(id: &str, server: &str, goal: Option<[u8; 16]>, seconds: f64) -> Value {
     let uuid = goal.unwrap_or_default();
     let request = json!({"goal_info": {"goal_id": {"uuid": uuid}, "stamp": {"sec": 0, "nanosec": 0}}});
     let service = format!("{server}/_action/cancel_goal");
@@ -170,22 +209,33 @@ pub(super) fn cancel_call(id: &str, server: &str, goal: Option<[u8; 16]>, second
 }
 
 /// Returns the subscription of a topic.
-pub(super) fn subscribe(id: &str, topic: &str, kind: &str) -> Value {
+pub fn subscribe(id: &str, topic: &str, kind: &str) -> Value {
     json!({"op": "subscribe", "id": id, "topic": topic, "type": kind})
 }
 
 /// Returns the end of a subscription.
-pub(super) fn unsubscribe(id: &str, topic: &str) -> Value {
+pub(crate) fn unsubscribe(id: &str, topic: &str) -> Value {
     json!({"op": "unsubscribe", "id": id, "topic": topic})
 }
 
-/// Returns the announcement of a topic that messages are sent to.
-pub(super) fn advertise(id: &str, topic: &str, kind: &str) -> Value {
-    json!({"op": "advertise", "id": id, "topic": topic, "type": kind})
+/// Returns the announcement of a topic that messages are sent to. Subscribers that come later get the last message of a
+/// latched topic.
+pub fn advertise(id: &str, topic: &str, kind: &str, is_latched: bool) -> Value {
+    json!({"op": "advertise", "id": id, "topic": topic, "type": kind, "latch": is_latched})
+}
+
+/// Returns the announcement of a service whose calls come as [`Incoming::Called`].
+pub fn advertise_service(service: &str, kind: &str) -> Value {
+    json!({"op": "advertise_service", "service": service, "type": kind})
+}
+
+/// Returns the answer to a call of a service.
+pub fn respond(id: &str, service: &str, values: &Value) -> Value {
+    json!({"op": "service_response", "id": id, "service": service, "values": values, "result": true})
 }
 
 /// Returns a message to a topic.
-pub(super) fn publish(topic: &str, message: &Value) -> Value {
+pub fn publish(topic: &str, message: &Value) -> Value {
     json!({"op": "publish", "topic": topic, "msg": message})
 }
 
@@ -241,6 +291,14 @@ mod tests {
                     id: Some(id()),
                     is_error: true,
                     text: "unknown\\u{1b}".to_owned(),
+                },
+            ),
+            (
+                r#"{"op":"call_service","service":"/s","id":"g1","args":{"request":"x"}}"#,
+                Incoming::Called {
+                    id: id(),
+                    service: "/s".to_owned(),
+                    arguments: json!({"request": "x"}),
                 },
             ),
             (r#"{"op":"png","data":""}"#, Incoming::Other),
