@@ -294,6 +294,12 @@ impl Hub {
         thinking.for_each(|session| session.stop_thinking());
     }
 
+    /// Drops all sessions from memory, and with each its right to be changed unless somebody uses it.
+    pub(crate) fn forget_all(&self) {
+        let sessions = std::mem::take(&mut *self.resident());
+        drop(sessions);
+    }
+
     /// Returns true if anything may change a session in memory.
     pub(crate) fn is_any_held(&self) -> bool {
         self.resident().values().any(|session| session.is_held())

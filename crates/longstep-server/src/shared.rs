@@ -96,6 +96,7 @@ impl Hub {
         while self.store.is_shared() && is_busy() && Instant::now() < deadline {
             thread::sleep(Duration::from_millis(10));
         }
+        self.forget_all();
     }
 }
 

@@ -163,7 +163,7 @@ fn no_error_of_a_database_has_its_password() {
         format!("postgres://postgres:hunter2@127.0.0.1:{port}/there/is/none"),
         "postgres://postgres:hunter2@no host/x".to_owned(),
         "postgres://postgres:hun/ter2@127.0.0.1:99999/x".to_owned(),
-        "postgres://postgres:hunter2@127.0.0.1/x?sslmode=hunter2".to_owned(),
+        "postgres://postgres:hunter2@127.0.0.1/x?sslmode=always".to_owned(),
         "postgres://127.0.0.1/x?password=hunter2&port=y".to_owned(),
         "hunter2".to_owned(),
     ] {

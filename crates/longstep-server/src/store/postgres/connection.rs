@@ -48,7 +48,7 @@ impl Connection {
         };
         // The error of the parser may quote the address.
         let options = PgConnectOptions::from_str(address)
-            .map_err(|_| wrong("the address cannot be read; it is like postgres://user@host:5432/database"))?
+            .map_err(|_| wrong("the address cannot be read; it is like postgres://host:5432/database"))?
             .application_name("longstep")
             .options([("statement_timeout", STATEMENT)])
             .disable_statement_logging();
