@@ -26,6 +26,10 @@ use crate::mcp::{McpOptions, http_service};
 /// The most connections at a time.
 const CONNECTIONS: usize = 1_024;
 
+/// The most connections that wait until the server takes them.
+#[cfg(unix)]
+const BACKLOG: i32 = 4_096;
+
 /// The time in which the head of a request arrives.
 const SLOWEST_HEAD: Duration = Duration::from_secs(15);
 
@@ -131,6 +135,9 @@ pub fn serve(
         .enable_all()
         .build()?;
     listener.set_nonblocking(true)?;
+    // The standard library asks for 128. What does not fit is tried again by its client after a second.
+    #[cfg(unix)]
+    rustix::net::listen(&listener, BACKLOG).map_err(io::Error::from)?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
         tokio::select! {
