@@ -210,6 +210,8 @@ fn is_current(run: &HostedRun, epoch: Option<u64>) -> bool {
 
 /// Returns the state of a run by the last line of its log. The log of one that goes on has an owner.
 fn end_of(last: Option<&str>, is_owned: bool) -> (RunState, Option<EndView>) {
+    // A log that has its header alone is one of a run that has not begun.
+    let last = last.filter(|line| serde_json::from_str::<RunHeader>(line).is_err());
     let event = last.map(|line| serde_json::from_str::<Event>(line).ok());
     let end = |done, text: &str, resumable| EndView {
         done,
