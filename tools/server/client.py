@@ -47,6 +47,10 @@ def without_times(data):
     return data
 
 
+# The bytes at both ends of an MCAP file.
+MCAP = b"\x89MCAP0\r\n"
+
+
 class Caller:
     """The functions of a generated client by name; each answer is compared with its type."""
 
@@ -58,6 +62,15 @@ class Caller:
         for module in pkgutil.walk_packages(api.__path__, "generated.api."):
             if not module.ispkg:
                 self.functions[module.name.rsplit(".", 1)[1]] = importlib.import_module(module.name)
+
+    def file(self, name, *arguments):
+        """Calls an operation whose answer is a file; returns its bytes."""
+        self.calls += 1
+        self.called.add(name)
+        answer = self.functions[name].sync_detailed(*arguments, client=self.client)
+        if answer.status_code != 200:
+            raise AssertionError(f"{name}: {int(answer.status_code)}: {answer.content!r}")
+        return answer.parsed.payload.read()
 
     def __call__(self, name, *arguments, status=200, **named):
         """Calls an operation; returns the typed answer."""
@@ -79,6 +92,19 @@ def equal(what, found, expected):
     """Raises unless two values are the same."""
     if found != expected:
         raise AssertionError(f"{what}: {found!r} instead of {expected!r}")
+
+
+def ask_the_model(call):
+    """Describes the model, lets it answer a request as it is, and counts tokens."""
+    models = call.models
+    lent = call("get_model")
+    equal("the model", (lent.name, lent.version), ("scripted", 1))
+    message = models.ChatMessage(role=models.ChatRole.USER, text="Put the butter on the counter")
+    request = models.ChatRequest(messages=[message], answer_so_far="", constraint="free", max_tokens=100)
+    reply = call("chat", body=models.ChatCall(request=request))
+    equal("the goal of the reply", json.loads(reply.text)["goal"], "put(butter, counter)")
+    counted = call("count_tokens", body=models.CountCall(messages=[message, message]))
+    equal("the counts", (len(counted.tokens), counted.frame), (2, 0))
 
 
 def is_a(value, kind):
@@ -173,6 +199,8 @@ def run_on_robots(call, session):
     until(lambda: is_decided(call, run))
     nothing_asked = call("decide", run, body=models.Decision(question="another", yes=True), status=409)
     equal("the kind of the problem", nothing_asked.error.kind, models.ProblemKind.CONFLICT)
+    recording = call.file("get_recording", run)
+    equal("the recording", (recording[:8], recording[-8:]), (MCAP, MCAP))
     listed = call("list_runs")
     equal("the runs", [(own.id, own.session) for own in listed.runs], [(run, session)])
     equal("the runs that were stopped", call("stop_all").stopped, 0)
@@ -213,6 +241,7 @@ def main():
     own = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, Server(own.program, Path(folder) / "state") as server:
         call = Caller(generated(server, folder), server)
+        ask_the_model(call)
         session = plan_and_talk(call)
         plan_without_a_session(call)
         run_on_robots(call, session)
