@@ -119,11 +119,14 @@ class Client:
         await asyncio.sleep(self.random.uniform(*PAUSE))
         return await self.connection.call(kind, method, path, body)
 
-    async def work(self):
-        """Begins the sessions, and visits them until the time is over."""
+    async def begin(self):
+        """Begins the sessions."""
         for _ in range(self.count):
             session = await self.call("create", "POST", "/api/sessions", {"scene": "pantry"})
             self.sessions.append(session["id"])
+
+    async def work(self):
+        """Visits the sessions until the time is over."""
         number = 0
         while time.monotonic() < self.load.until:
             try:
@@ -250,6 +253,9 @@ async def run_load(server, own):
         await asyncio.sleep(0.01)
     share = [own.sessions // own.clients + (number < own.sessions % own.clients) for number in range(own.clients)]
     clients = [Client(load, number, sessions) for number, sessions in enumerate(share)]
+    # The connections of the clients are there, with requests on them, before others flood the server.
+    await asyncio.gather(*(client.begin() for client in clients))
+    load.until = time.monotonic() + own.seconds
     await asyncio.gather(guests(load, load.until - own.seconds / 3, own.idle), *(client.work() for client in clients))
     await asyncio.sleep(0.5)
     for task in background:

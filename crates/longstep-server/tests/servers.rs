@@ -262,7 +262,8 @@ fn the_work_of_a_dead_server_is_taken_over_when_its_leases_have_ended() {
     assert_eq!(other.run(&run).unwrap().state, RunState::Running);
     assert!(is_busy(other.undo(&moving)) && is_busy(other.resume(&run, "ada")));
     eventually(|| other.run(&run).unwrap().state == RunState::Interrupted);
-    // An instruction for which nobody works any more is cancelled, and the person can say it again.
+    // The model of the other server goes on with the instruction, which is cancelled there now.
+    eventually(|| other.cancel(&thinking).is_ok());
     eventually(|| other.session(&thinking).unwrap().view.state == "ready");
     assert!(
         began.elapsed() > LEASE - Duration::from_millis(50),
