@@ -1,4 +1,4 @@
-//! What a server serves: worlds, robots and a model.
+//! The worlds, robots and model of a server.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,6 +10,7 @@ use longstep_core::execution::Settings;
 use longstep_files::read_text;
 use longstep_llm::load_domain;
 use longstep_robot::{OpenOptions, RobotReference};
+use longstep_server::mcp::McpOptions;
 use longstep_server::{Configuration, Domains, Models, NewSession, Problem, RobotEntry, Scene, Store};
 
 use crate::arguments::{ExecutionArguments, HubArguments, domain_or_default};
@@ -41,8 +42,15 @@ pub(crate) fn configuration(arguments: &HubArguments, store: Arc<dyn Store>) -> 
         .with_settings(arguments.strategy.settings()))
 }
 
+/// Returns the options of a server for agents. A plan goes to the first robot, unless the agent names another one.
+pub(crate) fn for_agents(arguments: &HubArguments, robots: &[RobotEntry], page: Option<String>) -> McpOptions {
+    McpOptions::new(start(arguments))
+        .with_robot(robots.first().map(|robot| robot.name.clone()))
+        .with_page(page)
+}
+
 /// Returns where sessions of agents begin: in the first environment, or in the first demo scene.
-pub(crate) fn start(arguments: &HubArguments) -> NewSession {
+fn start(arguments: &HubArguments) -> NewSession {
     let scene = match arguments.env.first() {
         Some(env) => name_of(env),
         None => Scene::shipped()

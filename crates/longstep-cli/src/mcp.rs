@@ -8,13 +8,13 @@ use std::thread;
 use anyhow::Result;
 use longstep_files::session_directory;
 use longstep_server::http::{ServeOptions, serve};
-use longstep_server::mcp::{McpOptions, serve_stdio};
+use longstep_server::mcp::serve_stdio;
 use longstep_server::{FileStore, Hub};
 
 use crate::arguments::McpArguments;
 use crate::exit_code::DONE;
 use crate::failure::{self, Failure};
-use crate::hub::{self, configuration, start};
+use crate::hub::{self, configuration, for_agents};
 use crate::output::remark;
 use crate::serve::Page;
 use crate::signals;
@@ -30,9 +30,11 @@ pub(crate) fn run(arguments: &McpArguments) -> Result<u8> {
         .map(|listen| Page::open(listen, &arguments.access, store.folder()))
         .transpose()?;
     let configuration = configuration(&arguments.hub, Arc::new(store))?;
-    let options = McpOptions::new(start(&arguments.hub))
-        .with_robot(configuration.robots.first().map(|robot| robot.name.clone()))
-        .with_page(page.as_ref().map(Page::of_session));
+    let options = for_agents(
+        &arguments.hub,
+        &configuration.robots,
+        page.as_ref().map(Page::of_session),
+    );
     let hub = Hub::open(configuration).map_err(hub::failure)?;
     let ended = signals::ended().map_err(|error| Failure::unreadable(format!("cannot watch for signals: {error}")))?;
     if let Some(page) = page {

@@ -7,13 +7,12 @@ use std::sync::Arc;
 use anyhow::Result;
 use longstep_files::session_directory;
 use longstep_server::http::{Access, ServeOptions, Token, serve};
-use longstep_server::mcp::McpOptions;
 use longstep_server::{FileStore, Hub, PostgresOptions, PostgresStore, Store};
 
 use crate::arguments::{AccessArguments, ServeArguments};
 use crate::exit_code::{DONE, MODEL};
 use crate::failure::Failure;
-use crate::hub::{configuration, failure, start};
+use crate::hub::{configuration, failure, for_agents};
 use crate::output::{Style, print_line, remark};
 use crate::ros;
 use crate::signals;
@@ -29,9 +28,7 @@ pub(crate) fn run(arguments: &ServeArguments) -> Result<u8> {
         None => Arc::new(files),
     };
     let configuration = configuration(&arguments.hub, store)?;
-    let mcp = McpOptions::new(start(&arguments.hub))
-        .with_robot(configuration.robots.first().map(|robot| robot.name.clone()))
-        .with_page(page.of_session());
+    let mcp = for_agents(&arguments.hub, &configuration.robots, Some(page.of_session()));
     let hub = Hub::open(configuration).map_err(failure)?;
     print_line!("{} {}", "Longstep is at".bold(), page.link());
     remark!(

@@ -66,11 +66,7 @@ impl Hub {
                 ModelError::TooLong { .. } => ProblemKind::TooLarge,
                 _ => ProblemKind::Failed,
             };
-            let problem = Problem::new(kind, error.to_string());
-            match error.hint() {
-                Some(hint) => problem.hint(hint),
-                None => problem,
-            }
+            Problem { kind, ..error.into() }
         })
     }
 }

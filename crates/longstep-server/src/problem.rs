@@ -6,6 +6,7 @@ use longstep_core::secret;
 use longstep_files::DomainError;
 use longstep_llm::{AdvanceError, ModelError};
 use longstep_robot::{OpenError, Unfit};
+use serde_json::{Value, json};
 
 use crate::store::StoreError;
 
@@ -81,6 +82,11 @@ impl Problem {
             hint: Some(secret::redacted(hint.as_ref()).into_owned()),
             ..self
         }
+    }
+
+    /// Returns the problem as JSON.
+    pub(crate) fn to_json(&self) -> Value {
+        json!({"kind": self.kind.name(), "message": self.message, "hint": self.hint})
     }
 
     fn hinted(self, hint: Option<String>) -> Self {

@@ -54,6 +54,19 @@ fn crashed(folder: &TempDir) -> TempDir {
     files
 }
 
+/// Returns the files of a server that crashed in the first step of a run, with the session, its plan and the run.
+fn crashed_in_a_run() -> (TempDir, SessionId, String, RunId) {
+    let folder = tempfile::tempdir().unwrap();
+    let first = hub(&folder, robots("ticks=1,pace=60000"));
+    let id = first.create(&NewSession::of_scene("desk")).unwrap().view.id.clone();
+    let plan = accepted(&first, &id, "Put the pen on the shelf");
+    let run = started(&first, &id, &plan);
+    until(&first, &run, |run| run.events > 0);
+    let files = crashed(&folder);
+    first.stop_all("ada").unwrap();
+    (files, id, plan, run)
+}
+
 #[test]
 fn a_request_without_an_answer_goes_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -79,14 +92,7 @@ fn a_request_without_an_answer_goes_on() {
 
 #[test]
 fn a_run_that_had_not_begun_is_shown_and_its_plan_is_approved_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let first = hub(&folder, robots("ticks=1,pace=60000"));
-    let id = first.create(&NewSession::of_scene("desk")).unwrap().view.id.clone();
-    let plan = accepted(&first, &id, "Put the pen on the shelf");
-    let run = started(&first, &id, &plan);
-    until(&first, &run, |run| run.events > 0);
-    let files = crashed(&folder);
-    first.stop_all("ada").unwrap();
+    let (files, id, plan, run) = crashed_in_a_run();
     let log = files.path().join(format!("runs/{run}.jsonl"));
     let header = fs::read_to_string(&log).unwrap().lines().next().unwrap().to_owned() + "\n";
     for beginning in ["", "{\"longstep", &header] {
@@ -108,14 +114,7 @@ fn a_run_that_had_not_begun_is_shown_and_its_plan_is_approved_again() {
 
 #[test]
 fn an_interrupted_run_is_resumed_only_for_the_plan_that_waits() {
-    let folder = tempfile::tempdir().unwrap();
-    let first = hub(&folder, robots("ticks=1,pace=60000"));
-    let id = first.create(&NewSession::of_scene("desk")).unwrap().view.id.clone();
-    let plan = accepted(&first, &id, "Put the pen on the shelf");
-    let run = started(&first, &id, &plan);
-    until(&first, &run, |run| run.events > 0);
-    let files = crashed(&folder);
-    first.stop_all("ada").unwrap();
+    let (files, id, plan, run) = crashed_in_a_run();
 
     let second = hub(&files, robots(""));
     assert_eq!(second.run(&run).unwrap().state, RunState::Interrupted);

@@ -14,6 +14,7 @@ use serde::de::DeserializeOwned;
 
 use super::service::{ChatCall, CountCall};
 use crate::call::{self, Call, GivenUp};
+use crate::server::environment;
 use crate::wire::{VERSION, WireHead, WireMessage, WireReply, WireRequest, WireTask};
 use crate::{AnswerLimit, ChatModel, ModelError, OpenOptions, Progress, Sampling, StopFlag, Watch};
 
@@ -280,10 +281,8 @@ impl Connection {
 /// Returns the token for a server: that of the environment, or the one in the state of this user, which is sent to this
 /// machine alone.
 fn token(base: &Url) -> Option<String> {
-    if let Ok(token) = std::env::var(TOKEN)
-        && !token.trim().is_empty()
-    {
-        return Some(token.trim().to_owned());
+    if let Some(token) = environment(TOKEN) {
+        return Some(token);
     }
     let file = token_file().filter(|_| is_this_machine(base))?;
     read_text_bounded(Path::new(&file), 1_000)

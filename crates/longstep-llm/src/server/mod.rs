@@ -66,7 +66,7 @@ pub fn server_address(reference: &ModelReference) -> Result<Option<String>, Mode
 }
 
 /// The value of an environment variable; an empty one counts as unset.
-fn environment(name: &str) -> Option<String> {
+pub(crate) fn environment(name: &str) -> Option<String> {
     let value = std::env::var(name).ok()?;
     Some(value.trim().to_owned()).filter(|value| !value.is_empty())
 }

@@ -53,7 +53,7 @@ pub(crate) fn status(kind: ProblemKind) -> StatusCode {
 
 /// Returns a problem as JSON.
 pub(crate) fn body_of(problem: &Problem) -> Reply<Value> {
-    Reply(json!({"error": {"kind": problem.kind.name(), "message": problem.message, "hint": problem.hint}}))
+    Reply(json!({"error": problem.to_json()}))
 }
 
 impl IntoResponse for Problem {

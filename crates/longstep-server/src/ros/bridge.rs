@@ -27,7 +27,7 @@ const WORKERS: usize = 8;
 /// The requests that may come at once, and those in a second after that.
 const REQUESTS: (u32, f64) = (10, 5.0);
 
-/// The same for refusals: what is beyond is a flood, and is not answered.
+/// Refusals that may come at once, and those in a second after that: what is beyond is a flood, and is not answered.
 const REFUSALS: (u32, f64) = (20, 20.0);
 
 /// The pause after the first failure; each further one is twice as long, up to the longest.

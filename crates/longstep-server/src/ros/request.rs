@@ -162,8 +162,7 @@ pub(super) fn answer(id: Value, result: Result<Map<String, Value>, Problem>) -> 
     match result {
         Ok(more) => fields.extend(more),
         Err(problem) => {
-            let error = json!({"kind": problem.kind.name(), "message": problem.message, "hint": problem.hint});
-            fields.insert("error".to_owned(), error);
+            fields.insert("error".to_owned(), problem.to_json());
         }
     }
     Value::Object(fields).to_string()

@@ -60,7 +60,7 @@ pub fn candidates(
     all
 }
 
-/// What tells the likely arguments of a step from the others.
+/// The signs by which the likely arguments of a step are told from the others.
 struct Evidence<'a> {
     world: &'a World,
     action: &'a Action,

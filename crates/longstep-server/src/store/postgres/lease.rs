@@ -39,7 +39,7 @@ WITH grown AS (
 )
 INSERT INTO longstep_line (kind, id, place, epoch, text) SELECT kind, id, $5, $4, $6 FROM grown";
 
-/// The same, without waiting for the disk.
+/// The append that does not wait for the disk.
 const APPEND_LATER: &str = "
 WITH later AS MATERIALIZED (SELECT set_config('synchronous_commit', 'off', true)),
 grown AS (
