@@ -86,6 +86,8 @@ pub struct Hub {
     pub(crate) approvals: Approvals,
     pub(crate) feed: Arc<Feed>,
     sessions: Mutex<HashMap<SessionId, Arc<Hosted>>>,
+    /// Held while a session enters memory, so that nobody reads the log of one that is being begun.
+    entering: SessionLocks,
     pub(crate) runs: Mutex<HashMap<RunId, Arc<HostedRun>>>,
     /// Set when the runs of a store that is not shared were read.
     pub(crate) are_runs_read: OnceLock<()>,
@@ -159,6 +161,7 @@ impl Hub {
             audit,
             feed: Arc::default(),
             sessions: Mutex::default(),
+            entering: SessionLocks::default(),
             runs: Mutex::default(),
             are_runs_read: OnceLock::new(),
             beginning: SessionLocks::default(),
@@ -235,6 +238,8 @@ impl Hub {
         let (planner, world) = self.place(new)?;
         let session = planner.session(world, self.settings, self.facts())?;
         let id = SessionId::random()?;
+        // Its log is listed from here on, and is not to be read before this server has it in memory.
+        let _entering = self.entering.lock(&id);
         let log = self.store.own(&LogName::Session(id.clone()))?;
         let kept = Some((Arc::clone(&self.store), log));
         let held = Hosted::begin(id, session, kept, Arc::clone(&self.feed))?;
@@ -275,6 +280,10 @@ impl Hub {
 
     /// Returns a session from memory, or from its log.
     fn found(&self, id: &SessionId) -> Result<Arc<Hosted>, Problem> {
+        if let Some(hosted) = self.resident().get(id) {
+            return Ok(Arc::clone(hosted));
+        }
+        let _entering = self.entering.lock(id);
         if let Some(hosted) = self.resident().get(id) {
             return Ok(Arc::clone(hosted));
         }

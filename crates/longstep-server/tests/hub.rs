@@ -207,3 +207,26 @@ fn runs_of_an_earlier_server_are_shown_as_their_logs_end() {
         }
     }
 }
+
+/// A session is listed from the moment its log has a file. Whoever reads the list looks at it at once.
+#[test]
+fn a_session_that_is_listed_can_be_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    let hub = hub(&folder, vec![]);
+    let begun = std::thread::scope(|scope| {
+        let beginners: Vec<_> = (0..2)
+            .map(|_| scope.spawn(|| (0..60).for_each(|_| drop(desk(&hub)))))
+            .collect();
+        let mut looks = 0;
+        while !beginners.iter().all(|beginner| beginner.is_finished()) {
+            for id in hub.sessions().unwrap() {
+                hub.session(&id).unwrap();
+                looks += 1;
+            }
+        }
+        assert!(looks > 0);
+        beginners.into_iter().for_each(|beginner| beginner.join().unwrap());
+        hub.sessions().unwrap().len()
+    });
+    assert_eq!(begun, 120);
+}
