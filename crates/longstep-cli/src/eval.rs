@@ -2,6 +2,7 @@
 
 mod inputs;
 mod progress;
+mod queue;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,10 +10,12 @@ use std::sync::Arc;
 use anyhow::Result;
 use longstep::domain::{Domain, Files};
 use longstep::session::{RepairPolicy, Settings, Strategy};
+use longstep_eval::attempt::{Attempt, Key};
 use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
+use longstep_eval::run::Lines;
 use longstep_eval::suite::{self, PLAIN, Suite};
 use longstep_eval::{
-    Campaign, Changes, Choice, Opened, Recorded, Source, Summary, compare, domain_sha256, lengths, report, units,
+    Alone, Campaign, Changes, Choice, Opened, Recorded, Source, Summary, compare, domain_sha256, lengths, report, units,
 };
 use longstep_files::overlay_prompt;
 use longstep_llm::{AdvanceError, ModelError, ModelReference};
@@ -22,6 +25,7 @@ use crate::failure::{Failure, MODEL};
 use crate::output::{self, counted, print_line, remark};
 use crate::{ask, exit_code};
 use progress::Bar;
+use queue::SharedQueue;
 
 pub(crate) fn run(arguments: &EvalArguments) -> Result<u8> {
     match &arguments.command {
@@ -53,6 +57,8 @@ struct Task {
     choice: Choice,
     /// The folder of the run.
     out: PathBuf,
+    /// The address of the database that has the queue, if other programs share it.
+    queue: Option<String>,
 }
 
 fn evaluate(arguments: &EvalArguments) -> Result<u8> {
@@ -233,6 +239,7 @@ fn task(
         server,
         choice,
         out,
+        queue: arguments.queue.clone(),
     })
 }
 
@@ -246,31 +253,37 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
                 .into(),
         );
     }
-    let (mut folder, mut results) = RunFolder::open(&task.out, &task.plan, task.server.as_deref(), &lengths(&all))?;
+    let lengths = lengths(&all);
+    let (mut folder, mut results) = RunFolder::open(&task.out, &task.plan, task.server.as_deref(), &lengths)?;
     let rest = &all[folder.units_done()..];
-    let bar = Bar::new(all.len(), folder.units_done(), &results.attempts);
     ask::watch_for_interrupts();
+    let stop = ask::interrupted().atomic();
+    let queue = task.queue.as_deref().map(|address| {
+        let done = lines_by_unit(&results, &lengths[..folder.units_done()]);
+        SharedQueue::open(address, &task.plan, &lengths, stop)?.with_done(done)
+    });
+    let queue = queue.transpose()?;
+    let bar = Bar::new(all.len(), folder.units_done(), &results.attempts);
     let campaign = Campaign {
         suite: &task.suite,
         domain: Arc::clone(&task.domain),
         settings: task.plan.settings,
         jobs,
     };
-    let outcome = campaign.run(
-        rest,
-        source,
-        ask::interrupted().atomic(),
-        &|progress| bar.tell(&progress),
-        |lines| {
-            folder.add(&lines)?;
-            bar.done(&lines);
-            for (attempt, timing) in lines {
-                results.timings.insert(timing.key.clone(), timing);
-                results.attempts.push(attempt);
-            }
-            anyhow::Ok(())
-        },
-    );
+    let tell = |progress| bar.tell(&progress);
+    let done = |lines: Lines| {
+        folder.add(&lines)?;
+        bar.done(&lines);
+        for (attempt, timing) in lines {
+            results.timings.insert(timing.key.clone(), timing);
+            results.attempts.push(attempt);
+        }
+        anyhow::Ok(())
+    };
+    let outcome = match &queue {
+        Some(queue) => campaign.run(rest, queue, source, stop, &tell, done),
+        None => campaign.run(rest, &Alone, source, stop, &tell, done),
+    };
     drop(bar);
     let done = results.attempts.len();
     outcome.map_err(|error| match error.downcast_ref::<AdvanceError>() {
@@ -286,6 +299,14 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
         _ => error,
     })?;
     Ok(results)
+}
+
+/// The lines of the complete units of a folder.
+fn lines_by_unit(results: &Results, units: &[(Key, usize)]) -> Vec<Lines> {
+    let mut attempts = results.attempts.iter();
+    let line = |attempt: &Attempt| Some((attempt.clone(), results.timings.get(&attempt.key)?.clone()));
+    let unit = |(_, steps): &(Key, usize)| attempts.by_ref().take(*steps).filter_map(line).collect();
+    units.iter().map(unit).collect()
 }
 
 fn print_json(results: &Results) -> Result<u8> {

@@ -11,13 +11,25 @@ use longstep_files::read_text;
 use longstep_llm::load_domain;
 use longstep_robot::{OpenOptions, RobotReference};
 use longstep_server::mcp::McpOptions;
-use longstep_server::{Configuration, Domains, Models, NewSession, Problem, RobotEntry, Scene, Store};
+use longstep_server::{
+    Configuration, Domains, Models, NewSession, PostgresOptions, PostgresStore, Problem, RobotEntry, Scene, Store,
+};
 
 use crate::arguments::{ExecutionArguments, HubArguments, domain_or_default};
 use crate::ask;
 use crate::exit_code::{LIMIT, MODEL, ROBOT, UNREADABLE};
 use crate::failure::Failure;
 use crate::inputs;
+
+/// Opens the database of an address, which several programs share.
+pub(crate) fn database(address: &str) -> Result<Arc<dyn Store>> {
+    let opened = PostgresStore::open(address, PostgresOptions::default());
+    let store = opened.map_err(|error| {
+        Failure::new(error.to_string(), MODEL)
+            .hint("name a PostgreSQL database that this machine reaches; see docs/guide/server.md")
+    })?;
+    Ok(Arc::new(store))
+}
 
 /// Returns the parts of a server. Its model is opened.
 pub(crate) fn configuration(arguments: &HubArguments, store: Arc<dyn Store>) -> Result<Configuration> {

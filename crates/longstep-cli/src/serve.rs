@@ -7,12 +7,12 @@ use std::sync::Arc;
 use anyhow::Result;
 use longstep_files::session_directory;
 use longstep_server::http::{Access, ServeOptions, Token, serve};
-use longstep_server::{FileStore, Hub, PostgresOptions, PostgresStore, Store};
+use longstep_server::{FileStore, Hub, Store};
 
 use crate::arguments::{AccessArguments, ServeArguments};
-use crate::exit_code::{DONE, MODEL};
+use crate::exit_code::DONE;
 use crate::failure::Failure;
-use crate::hub::{configuration, failure, for_agents};
+use crate::hub::{configuration, database, failure, for_agents};
 use crate::output::{Style, print_line, remark};
 use crate::ros;
 use crate::signals;
@@ -42,16 +42,6 @@ pub(crate) fn run(arguments: &ServeArguments) -> Result<u8> {
     let options = ServeOptions::new(page.access).with_mcp(mcp);
     serve(page.listener, hub, options, ended)?;
     Ok(DONE)
-}
-
-/// Opens the database that servers share.
-fn database(address: &str) -> Result<Arc<dyn Store>> {
-    let opened = PostgresStore::open(address, PostgresOptions::default());
-    let store = opened.map_err(|error| {
-        Failure::new(error.to_string(), MODEL)
-            .hint("name a PostgreSQL database that this machine reaches; see docs/guide/server.md")
-    })?;
-    Ok(Arc::new(store))
 }
 
 /// An address at which a page is served, and who may open it.

@@ -1,14 +1,16 @@
 //! All units of a run, sequentially or in parallel.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
+use std::time::Duration;
 
 use longstep::domain::Domain;
 use longstep::session::Settings;
 use longstep_llm::{AdvanceError, ModelError, Progress, Watch};
 
 use crate::attempt::Key;
+use crate::queue::{Next, Open, Queue, Turn};
 use crate::run::{Lines, Unit, run};
 use crate::source::Source;
 use crate::suite::Suite;
@@ -72,6 +74,9 @@ pub struct Campaign<'a> {
     pub jobs: usize,
 }
 
+/// The time until units are looked at again that other programs run.
+const PAUSE: Duration = Duration::from_millis(250);
+
 /// A watch that cancels running calls when `stop` is set.
 struct Stopping<'a> {
     stop: &'a AtomicBool,
@@ -89,32 +94,49 @@ impl Watch for Stopping<'_> {
 }
 
 impl Campaign<'_> {
-    /// Runs units. `done` receives the lines of each unit in the order of the units; an error of `done` ends the run.
+    /// Runs units, and takes from the queue what other programs ran. `done` receives the lines of each unit in the order
+    /// of the units; an error of `done` ends the run.
     ///
     /// # Errors
     ///
-    /// The first error of a model, or the error of `done`. Lines that `done` received before are valid.
-    pub fn run<E: From<AdvanceError>>(
+    /// The first error of a model or of the queue, or the error of `done`. Lines that `done` received before are valid.
+    pub fn run<Q: Queue, E: From<AdvanceError> + From<Q::Error> + Send>(
         &self,
         units: &[Unit<'_>],
+        queue: &Q,
         source: &(dyn Fn() -> Box<dyn Source> + Sync),
         stop: &AtomicBool,
         tell: &(dyn Fn(Progress) + Sync),
         mut done: impl FnMut(Lines) -> Result<(), E>,
     ) -> Result<(), E> {
-        let next = AtomicUsize::new(0);
+        let work = Work {
+            campaign: self,
+            units,
+            queue,
+            open: Open::new(units.len()),
+            stop,
+            tell,
+        };
         let halted = AtomicBool::new(false);
         std::thread::scope(|scope| {
             let (sender, receiver) = mpsc::channel();
             for _ in 0..self.jobs.clamp(1, units.len().max(1)) {
-                let (sender, next, halted) = (sender.clone(), &next, &halted);
+                let (sender, work, halted) = (sender.clone(), &work, &halted);
                 scope.spawn(move || {
                     let mut source = source();
                     while !halted.load(Ordering::Relaxed) {
-                        let number = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(unit) = units.get(number) else { return };
-                        let lines = self.unit(*unit, source.as_mut(), stop, tell);
+                        let number = match work.open.next() {
+                            Next::Unit(number) => number,
+                            Next::Wait => {
+                                std::thread::sleep(PAUSE);
+                                work.open.look_again();
+                                continue;
+                            }
+                            Next::End => return,
+                        };
+                        let lines = work.turn(number, source.as_mut());
                         let failed = lines.is_err();
+                        let Some(lines) = lines.transpose() else { continue };
                         // After a failure the receiver is gone.
                         if sender.send((number, lines)).is_err() || failed {
                             return;
@@ -131,7 +153,7 @@ impl Campaign<'_> {
                     Ok(lines) => {
                         waiting.insert(number, lines);
                     }
-                    Err(error) if outcome.is_ok() => outcome = Err(E::from(error)),
+                    Err(error) if outcome.is_ok() => outcome = Err(error),
                     Err(_) => {}
                 }
                 while let Some(lines) = waiting.remove(&written) {
@@ -147,23 +169,57 @@ impl Campaign<'_> {
             outcome
         })
     }
+}
 
-    fn unit(
-        &self,
-        unit: Unit<'_>,
-        source: &mut dyn Source,
-        stop: &AtomicBool,
-        tell: &(dyn Fn(Progress) + Sync),
-    ) -> Result<Lines, AdvanceError> {
-        if stop.load(Ordering::Relaxed) {
-            return Err(ModelError::Stopped.into());
+/// What the workers of one program share.
+struct Work<'a, Q> {
+    campaign: &'a Campaign<'a>,
+    units: &'a [Unit<'a>],
+    queue: &'a Q,
+    open: Open,
+    stop: &'a AtomicBool,
+    tell: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl<Q: Queue> Work<'_, Q> {
+    /// Runs a unit, or takes its lines from the queue; none if another program runs it.
+    fn turn<E>(&self, number: usize, source: &mut dyn Source) -> Result<Option<Lines>, E>
+    where
+        E: From<AdvanceError> + From<Q::Error>,
+    {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(AdvanceError::from(ModelError::Stopped).into());
         }
-        let mut settings = self.settings;
+        let _right = match self.queue.turn(number)? {
+            Turn::Mine(right) => right,
+            Turn::Elsewhere => {
+                self.open.put_aside(number);
+                return Ok(None);
+            }
+            Turn::Done(lines) => return Ok(Some(lines)),
+        };
+        let lines = self.unit(self.units[number], source)?;
+        self.open.look_again();
+        Ok(Some(self.queue.keep(number, lines)?))
+    }
+
+    fn unit(&self, unit: Unit<'_>, source: &mut dyn Source) -> Result<Lines, AdvanceError> {
+        let mut settings = self.campaign.settings;
         if let Some(rounds) = source.rounds(&unit.case.id, unit.trial) {
             settings.rounds = settings.rounds.min(rounds);
         }
         let model = source.model(&unit.case.id, unit.trial)?;
-        let mut watch = Stopping { stop, tell };
-        run(self.suite, &self.domain, unit, settings, model, &mut watch)
+        let mut watch = Stopping {
+            stop: self.stop,
+            tell: self.tell,
+        };
+        run(
+            self.campaign.suite,
+            &self.campaign.domain,
+            unit,
+            settings,
+            model,
+            &mut watch,
+        )
     }
 }

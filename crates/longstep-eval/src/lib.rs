@@ -41,6 +41,7 @@ pub mod folder;
 mod judge;
 #[cfg(test)]
 mod judged_tests;
+mod queue;
 mod rate;
 pub mod report;
 pub mod run;
@@ -50,6 +51,7 @@ mod summary;
 
 pub use ablation::{AblationError, Changes, domain_sha256, sha256};
 pub use campaign::{Campaign, Choice, lengths, units};
+pub use queue::{Alone, Queue, Turn, kept_text, read_kept};
 pub use rate::Rate;
 pub use source::{Opened, Opener, Recorded, RecordedError, Source};
 pub use summary::{Cost, Summary};

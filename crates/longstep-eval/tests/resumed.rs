@@ -2,16 +2,19 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::error::Error;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 
 use longstep::domain::{self, Domain};
 use longstep::session::{Settings, Strategy};
 use longstep_eval::folder::{self, FolderError, Plan, RunFolder, VERSION};
+use longstep_eval::run::Lines;
 use longstep_eval::suite::{self, Files, Suite};
-use longstep_eval::{Campaign, Choice, Recorded, Source, lengths, units};
-use longstep_llm::AdvanceError;
+use longstep_eval::{Alone, Campaign, Choice, Queue, Recorded, Source, Turn, kept_text, lengths, read_kept, units};
 
 const DESK: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<cup>"],
     "object_states": {"<pen>": "on_something(<desk>)", "<cup>": "on_something(<desk>)"}}"#;
@@ -85,6 +88,10 @@ fn plan(trials: u32) -> Plan {
 
 /// Runs what is missing in the folder, with so many workers; returns how many units that were.
 fn go_on(folder: &Path, jobs: usize) -> usize {
+    go_on_with(folder, jobs, &Alone)
+}
+
+fn go_on_with<Q: Queue<Error = Infallible>>(folder: &Path, jobs: usize, queue: &Q) -> usize {
     let (domain, suite) = suite();
     let choice = Choice {
         trials: 2,
@@ -101,10 +108,11 @@ fn go_on(folder: &Path, jobs: usize) -> usize {
         jobs,
     };
     let source = || Box::new(Recorded::read(REPLIES).unwrap()) as Box<dyn Source>;
-    let outcome: Result<(), AdvanceError> = campaign.run(rest, &source, &AtomicBool::new(false), &|_| {}, |lines| {
-        run.add(&lines).unwrap();
-        Ok(())
-    });
+    let outcome: Result<(), Box<dyn Error + Send + Sync>> =
+        campaign.run(rest, queue, &source, &AtomicBool::new(false), &|_| {}, |lines| {
+            run.add(&lines).unwrap();
+            Ok(())
+        });
     outcome.unwrap();
     rest.len()
 }
@@ -143,6 +151,60 @@ fn several_workers_write_identical_results() {
     go_on(one.path(), 1);
     go_on(several.path(), 4);
     assert_eq!(bytes(one.path()), bytes(several.path()));
+}
+
+/// A queue in memory: for each unit its lines as text; none while somebody runs it.
+#[derive(Default)]
+struct Shared {
+    units: Mutex<BTreeMap<usize, Option<String>>>,
+    /// The units that were run, in order.
+    run: Mutex<Vec<usize>>,
+}
+
+impl Queue for Shared {
+    type Right = ();
+    type Error = Infallible;
+
+    fn turn(&self, number: usize) -> Result<Turn<()>, Infallible> {
+        let mut units = self.units.lock().unwrap();
+        Ok(match units.get(&number) {
+            Some(Some(text)) => Turn::Done(read_kept(text).unwrap()),
+            Some(None) => Turn::Elsewhere,
+            None => {
+                units.insert(number, None);
+                Turn::Mine(())
+            }
+        })
+    }
+
+    fn keep(&self, number: usize, lines: Lines) -> Result<Lines, Infallible> {
+        self.run.lock().unwrap().push(number);
+        let text = kept_text(&lines);
+        self.units.lock().unwrap().insert(number, Some(text));
+        Ok(lines)
+    }
+}
+
+#[test]
+fn programs_that_share_a_queue_have_identical_results_and_run_each_unit_once() {
+    let one = tempfile::tempdir().unwrap();
+    go_on(one.path(), 1);
+    for _ in 0..20 {
+        let queue = Shared::default();
+        let folders: Vec<_> = (0..3).map(|_| tempfile::tempdir().unwrap()).collect();
+        std::thread::scope(|scope| {
+            for (number, folder) in folders.iter().enumerate() {
+                let queue = &queue;
+                scope.spawn(move || go_on_with(folder.path(), 1 + number, queue));
+            }
+        });
+        for folder in &folders {
+            assert_eq!(bytes(folder.path()), bytes(one.path()));
+        }
+        let mut run = queue.run.into_inner().unwrap();
+        run.sort_unstable();
+        assert_eq!(run, [0, 1, 2, 3, 4, 5]);
+    }
 }
 
 #[test]

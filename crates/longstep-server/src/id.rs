@@ -1,4 +1,4 @@
-//! Ids of sessions, approvals and runs.
+//! Ids of sessions, approvals, runs and campaigns.
 
 use std::fmt;
 
@@ -80,6 +80,23 @@ id!(
     /// The id of a run.
     RunId
 );
+
+/// The id of a campaign whose units several programs run: a hash of what it depends on.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CampaignId(String);
+
+impl CampaignId {
+    /// Returns the id of the campaign with a description: equal descriptions mean one campaign.
+    pub fn of(description: &Value) -> Self {
+        Self(hash(description))
+    }
+}
+
+impl fmt::Display for CampaignId {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
 
 #[cfg(test)]
 mod tests {

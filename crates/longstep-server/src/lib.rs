@@ -51,12 +51,12 @@ pub use desk::Planning;
 pub use domains::{Domains, Scene};
 pub use feed::{Feed, FeedEvent, Happening, Page};
 pub use hub::{Configuration, Hub, NewSession};
-pub use id::{ApprovalId, RunId, SessionId};
+pub use id::{ApprovalId, CampaignId, RunId, SessionId};
 pub use models::{Models, OpenModel};
 pub use problem::{Problem, ProblemKind};
 pub use run::{Body, EndView, OpenRobot, QuestionView, RobotEntry, RunRecord, RunState, RunView};
 pub use store::{
-    Durability, FileStore, LONGEST_TAIL, LogName, LogState, OwnedLog, RecordKey, Store, StoreError, StoredRun,
+    Durability, FileStore, LONGEST_TAIL, LogName, LogState, OwnedLog, RecordKey, Store, StoreError, StoredRun, UnitKey,
 };
 #[cfg(feature = "postgres")]
 pub use store::{PostgresOptions, PostgresStore};

@@ -43,6 +43,10 @@ pub(crate) struct EvalArguments {
     /// Parallel requests to a server
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
     pub(crate) jobs: u16,
+    /// Share the run with other machines: run the same command on each with a database for the queue, as
+    /// postgres://user@host/database; the password may be in `PGPASSWORD` or ~/.pgpass
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) queue: Option<String>,
     /// Rename an action in prompts and plans, for example Put=PutSurface
     #[arg(long = "rename", value_name = "OLD=NEW", value_parser = renaming)]
     pub(crate) renamed: Vec<(String, String)>,
@@ -57,7 +61,7 @@ pub(crate) struct EvalArguments {
     #[arg(long)]
     pub(crate) json: bool,
     /// Only check that the expected goals of the suite can be reached
-    #[arg(long, conflicts_with_all = ["replies", "recorded"])]
+    #[arg(long, conflicts_with_all = ["replies", "recorded", "queue"])]
     pub(crate) check: bool,
 }
 

@@ -8,11 +8,12 @@ pub use files::FileStore;
 #[cfg(feature = "postgres")]
 pub use postgres::{PostgresOptions, PostgresStore};
 
+use std::fmt;
 use std::path::PathBuf;
 
 use jiff::Timestamp;
 
-use crate::id::{ApprovalId, RunId, SessionId};
+use crate::id::{ApprovalId, CampaignId, RunId, SessionId};
 
 /// The most lines that are read from the end of a log at once.
 pub const LONGEST_TAIL: usize = 100_000;
@@ -27,6 +28,8 @@ pub enum LogName {
     Run(RunId),
     /// A robot, by the key of its queue. Nothing is added: owning it is the right to move the robot.
     Robot(String),
+    /// A unit of a campaign. Nothing is added: owning it is the right to run the unit.
+    Unit(UnitKey),
     /// Who approved, started and stopped what. Servers that share a store share it: it has no owner there.
     Audit,
 }
@@ -38,8 +41,24 @@ impl LogName {
             Self::Session(id) => format!("session `{id}`"),
             Self::Run(id) => format!("run `{id}`"),
             Self::Robot(key) => format!("robot `{key}`"),
+            Self::Unit(key) => format!("unit `{key}`"),
             Self::Audit => "the audit log".to_owned(),
         }
+    }
+}
+
+/// The key of a unit of a campaign that several programs run.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct UnitKey {
+    /// The campaign.
+    pub campaign: CampaignId,
+    /// The place of the unit in the campaign, from 0.
+    pub number: usize,
+}
+
+impl fmt::Display for UnitKey {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}.{}", self.campaign, self.number)
     }
 }
 
@@ -203,6 +222,8 @@ pub enum RecordKey {
         /// The epoch of the log that is to be stopped: a run that is resumed later goes on.
         epoch: u64,
     },
+    /// The results of a unit of a campaign.
+    Unit(UnitKey),
 }
 
 impl RecordKey {
@@ -218,6 +239,7 @@ impl RecordKey {
                 attempt,
             } => ("attempt", format!("{session}.{number}.{attempt}")),
             Self::Stop { run, epoch } => ("stop", format!("{run}.{epoch}")),
+            Self::Unit(key) => ("unit", key.to_string()),
         }
     }
 }

@@ -15,7 +15,8 @@ use std::sync::Arc;
 use std::thread;
 
 use longstep_server::{
-    ApprovalId, Durability, FileStore, LONGEST_TAIL, LogName, RecordKey, RunId, SessionId, Store, StoreError,
+    ApprovalId, CampaignId, Durability, FileStore, LONGEST_TAIL, LogName, RecordKey, RunId, SessionId, Store,
+    StoreError, UnitKey,
 };
 
 /// Two servers at one store.
@@ -60,7 +61,16 @@ fn is_refused(store: &Arc<dyn Store>, log: &LogName) -> bool {
 }
 
 fn one_owner(two: &Two) {
-    for log in [session("s"), run("r"), LogName::Robot("arm/left: 1".to_owned())] {
+    let unit = UnitKey {
+        campaign: CampaignId::of(&"a".into()),
+        number: 12,
+    };
+    for log in [
+        session("s"),
+        run("r"),
+        LogName::Robot("arm/left: 1".to_owned()),
+        LogName::Unit(unit),
+    ] {
         let own = two.one.own(&log).unwrap();
         assert!(!own.is_lost());
         assert!(is_refused(&two.other, &log) && is_refused(&two.one, &log), "{log:?}");

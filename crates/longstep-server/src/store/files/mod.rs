@@ -85,6 +85,7 @@ impl FileStore {
                 let name = hexadecimal(&Sha256::digest(key)[..16]);
                 self.server.join("robots").join(format!("{name}.lock"))
             }
+            LogName::Unit(key) => self.server.join("units").join(format!("{key}.lock")),
         }
     }
 
@@ -117,7 +118,8 @@ impl Store for FileStore {
 
     fn own(&self, log: &LogName) -> Result<Box<dyn OwnedLog>, StoreError> {
         let path = self.path(log);
-        if let (LogName::Session(_), Some(folder)) = (log, path.parent()) {
+        // Those of the other logs are there.
+        if let (LogName::Session(_) | LogName::Unit(_), Some(folder)) = (log, path.parent()) {
             create_private_folder(folder).map_err(failed("cannot create", folder))?;
         }
         Ok(Box::new(OwnedFile::open(path, log, &self.registry)?))

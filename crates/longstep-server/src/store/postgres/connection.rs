@@ -24,7 +24,10 @@ const SLOWEST: Duration = Duration::from_secs(6);
 const STATEMENT: &str = "5000";
 
 /// The schema, a step for each version.
-const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "begin", include_str!("0001_begin.sql"))];
+const MIGRATIONS: [(i64, &str, &str); 2] = [
+    (1, "begin", include_str!("0001_begin.sql")),
+    (2, "units of campaigns", include_str!("0002_units.sql")),
+];
 
 /// The database of a store.
 #[derive(Debug)]

@@ -60,6 +60,7 @@ fn key(log: &LogName) -> Key {
         LogName::Session(id) => ("session", id.to_string()),
         LogName::Run(id) => ("run", id.to_string()),
         LogName::Robot(key) => ("robot", key.clone()),
+        LogName::Unit(key) => ("unit", key.to_string()),
         LogName::Audit => ("audit", String::new()),
     }
 }
