@@ -249,6 +249,12 @@ pub(crate) struct ExportArguments {
     /// Format of the output
     #[arg(long, value_enum)]
     pub(crate) format: PlanFormat,
+    /// `bt` only: check the preconditions before each step, so that the tree fails when the world has changed
+    #[arg(long)]
+    pub(crate) guards: bool,
+    /// `svg` only: width in pixels, from 120 to 8000
+    #[arg(long, value_name = "PIXELS", default_value_t = 900, value_parser = clap::value_parser!(u16).range(120..=8000))]
+    pub(crate) width: u16,
 }
 
 /// A format of plans.
@@ -258,6 +264,16 @@ pub(crate) enum PlanFormat {
     Python,
     /// The paper's JSON, with the environments before and after
     Json,
+    /// A behavior tree in the XML of BehaviorTree.CPP 4
+    Bt,
+    /// The steps in PDDL, for VAL and unified-planning; `longstep solve --pddl` writes the problem
+    Pddl,
+    /// A flowchart for Mermaid
+    Mermaid,
+    /// A graph for Graphviz
+    Dot,
+    /// A picture
+    Svg,
 }
 
 /// Either a goal and an environment, or a PDDL problem.

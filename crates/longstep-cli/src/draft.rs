@@ -9,8 +9,9 @@ use longstep_core::json;
 use longstep_core::model::Wanted;
 use longstep_core::pddl::Problem;
 use longstep_core::plan;
-use longstep_core::verify::VerifiedPlan;
+use longstep_core::verify::{Purpose, VerifiedPlan};
 use longstep_llm::load_domain;
+use longstep_picture::plan::Annotations;
 
 use crate::arguments::{DraftArguments, domain_or_default, required};
 use crate::failure::Failure;
@@ -121,6 +122,17 @@ impl Draft {
     pub(crate) fn goal(&self) -> Option<String> {
         let goal = self.goal.as_ref()?;
         Some(goal.exact(&self.world).join(" & "))
+    }
+
+    /// Returns what is known about the plan besides its steps.
+    pub(crate) fn annotations(&self) -> Annotations {
+        match &self.goal {
+            Some(goal) => Annotations::default().with_goal(&self.world, goal),
+            None => Annotations::default().with_purpose(Purpose {
+                wanted: self.wanted.clone(),
+                ..Purpose::default()
+            }),
+        }
     }
 
     /// Returns the plan; of one that is not valid shows why, and returns the exit code. `use_of` says what only verified plans

@@ -1,16 +1,27 @@
 //! `longstep export`: a verified plan in another notation.
 
 use anyhow::Result;
-use longstep::report::Status;
+use longstep::report::{Answer, Status};
+use longstep_core::pddl;
+use longstep_core::plan::behavior_tree::{self, Guards};
 use longstep_core::plan::{Written, script};
+use longstep_core::verify::VerifiedPlan;
+use longstep_picture::SvgOptions;
+use longstep_picture::plan::{Diagram, dot, mermaid, svg};
 
 use crate::arguments::{ExportArguments, PlanFormat};
 use crate::draft::Draft;
 use crate::exit_code;
+use crate::failure::Failure;
 use crate::output::{self, remark};
 
 /// Prints the plan to stdout if it is valid; otherwise its verdict to stderr, and nothing to stdout.
 pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
+    if arguments.guards && arguments.format != PlanFormat::Bt {
+        return Err(Failure::unreadable("`--guards` is for behavior trees")
+            .hint("use it with `--format bt`")
+            .into());
+    }
     let draft = Draft::read(&arguments.draft)?;
     let assessment = draft.assessment();
     let answer = assessment.verdict();
@@ -26,11 +37,44 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
         return Ok(exit_code::of_status(answer.status));
     };
     match arguments.format {
-        PlanFormat::Python => {
-            let written = Written::of_plan(&draft.world, verified.plan());
-            output::document(&script::write(&written));
-        }
         PlanFormat::Json => output::json(&answer.plan.clone().of_domain(draft.world.domain()))?,
+        _ => output::document(&written(arguments, &draft, &verified, &answer)?),
     }
     Ok(exit_code::of_status(answer.status))
+}
+
+/// Writes a plan in a format other than JSON.
+fn written(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, answer: &Answer) -> Result<String> {
+    let world = &draft.world;
+    let diagram = || Diagram::of(verified, &draft.annotations());
+    Ok(match arguments.format {
+        PlanFormat::Python | PlanFormat::Json => script::write(&Written::of_plan(world, verified.plan())),
+        PlanFormat::Bt => {
+            let guards = if arguments.guards {
+                Guards::Preconditions
+            } else {
+                Guards::None
+            };
+            behavior_tree::write(world, verified.plan(), guards).map_err(|error| {
+                Failure::unreadable(format!("no behavior tree can have this plan: {error}"))
+                    .hint("rename the entity, or leave out `--guards`")
+            })?
+        }
+        PlanFormat::Pddl => {
+            if !verified.plan().is_sequence() {
+                return Err(
+                    Failure::unreadable("a plan with branches, loops or lanes has no form in PDDL")
+                        .hint("use `--format bt`, `python` or `json`")
+                        .into(),
+                );
+            }
+            pddl::write_plan(world, verified.plan().steps())
+        }
+        PlanFormat::Mermaid => mermaid(&diagram()),
+        PlanFormat::Dot => dot(&diagram()),
+        PlanFormat::Svg => {
+            let options = SvgOptions::new(f64::from(arguments.width)).with_title(&answer.plan.instruction_summary);
+            svg(&diagram(), &options)
+        }
+    })
 }

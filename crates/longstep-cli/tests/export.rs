@@ -70,3 +70,46 @@ fn only_verified_plans_are_exported() {
         assert!(stderr.contains(told), "{stderr}");
     }
 }
+
+#[test]
+fn a_behavior_tree_comes_back_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let json = export(SCRIPT, "json", &folder);
+    let read = |path: &str| std::fs::read_to_string(path).unwrap();
+    for guards in [&[][..], &["--guards"][..]] {
+        let arguments = [&["export", SCRIPT, "--format", "bt"], guards, &WORLD[..]].concat();
+        let (code, tree, stderr) = longstep(&arguments);
+        assert_eq!((code, stderr.as_str()), (0, ""), "{tree}");
+        assert_eq!(tree.contains("_guard"), !guards.is_empty());
+        let path = folder.path().join("tree.xml");
+        std::fs::write(&path, &tree).unwrap();
+        let path = path.to_str().unwrap();
+        let arguments = [&["export", path, "--format", "bt"], guards, &WORLD[..]].concat();
+        assert_eq!(longstep(&arguments).1, tree);
+        assert_eq!(read(&export(path, "json", &folder)).lines().count(), read(&json).lines().count());
+    }
+    let (code, _, stderr) = longstep(&[&["export", SCRIPT, "--format", "dot", "--guards"], &WORLD[..]].concat());
+    assert!(code == 30 && stderr.contains("`--guards` is for behavior trees"), "{stderr}");
+}
+
+#[test]
+fn a_plan_is_a_picture_a_flowchart_and_pddl() {
+    for (format, begins, has) in [
+        ("svg", "<svg ", "check whether the yoghurt is past its date"),
+        ("mermaid", "flowchart TD\n", "1#46; move to the yoghurt"),
+        ("dot", "digraph plan {\n", "shape=diamond"),
+    ] {
+        let (code, text, stderr) = longstep(&[&["export", SCRIPT, "--format", format], &WORLD[..]].concat());
+        assert_eq!((code, stderr.as_str()), (0, ""), "{text}");
+        assert!(text.starts_with(begins) && text.contains(has), "{text}");
+    }
+    let (code, _, stderr) = longstep(&[&["export", SCRIPT, "--format", "pddl"], &WORLD[..]].concat());
+    assert!(code == 30 && stderr.contains("has no form in PDDL"), "{stderr}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.py");
+    std::fs::write(&path, "# objects: [\"<yoghurt>\"]\nmove_hand()\ngrasp_object()\nrelease_object()\n").unwrap();
+    let arguments = [&["export", path.to_str().unwrap(), "--format", "pddl"], &WORLD[..]].concat();
+    let (code, text, stderr) = longstep(&arguments);
+    assert_eq!((code, stderr.as_str()), (0, ""), "{text}");
+    assert!(text.starts_with("(move-hand yoghurt)\n"), "{text}");
+}

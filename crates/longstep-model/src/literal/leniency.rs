@@ -77,6 +77,8 @@ pub enum LeniencyKind {
     Wrapped,
     /// The fields of `task_cohesion` without the enclosing `task_cohesion`.
     Flattened,
+    /// A check of a fact before a step, which verification makes by itself.
+    Check,
 }
 
 impl Leniency {
@@ -112,6 +114,9 @@ impl Leniency {
             Kind::MissingKey => format!("`{key}` is missing and was taken as empty"),
             Kind::Null => format!("`{key}` is null and was taken as absent"),
             Kind::Wrapped => format!("what was expected stands deeper, under `{key}`"),
+            Kind::Check => {
+                "a check before a step was ignored: verification checks the preconditions of all steps".to_owned()
+            }
             Kind::Flattened => "the fields of `task_cohesion` stand outside of it".to_owned(),
         };
         let Position { line, column } = self.position;

@@ -1,18 +1,24 @@
 //! A plan as a tree for people: every step with its reason, its changes, its edits and its assumptions.
 //!
-//! [`Diagram::of`] makes the data for a page, and [`svg`] a picture of them.
+//! [`Diagram::of`] makes the data for a page, [`svg`] a picture of them, and [`mermaid`] and [`dot`] a flowchart for other
+//! programs.
 
 mod annotation;
 mod card;
+mod dot;
 mod draw;
+mod flowchart;
 mod layout;
+mod mermaid;
 mod piece;
 mod sentence;
 #[cfg(test)]
 mod tests;
 
 pub use annotation::Annotations;
+pub use dot::dot;
 pub use draw::svg;
+pub use mermaid::mermaid;
 
 use std::collections::VecDeque;
 use std::ops::RangeBounds;

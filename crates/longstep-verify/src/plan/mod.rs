@@ -1,5 +1,6 @@
 //! Plans: parsing of model replies and plan files, and resolution against a domain and a world.
 
+pub mod behavior_tree;
 pub(crate) mod claims;
 mod condition_call;
 mod fuzzy_names;

@@ -4,6 +4,7 @@
 //! reader ([`NOTATIONS`]); a text that two of them read differently is refused. Strict JSON produces no leniencies.
 
 mod agent;
+mod behavior_trees;
 mod columns;
 mod line;
 mod lines;
@@ -43,7 +44,7 @@ pub struct Draft {
 ///
 /// The plan is an object in the paper's format, as JSON, as a Python literal or as YAML; a list of calls, or of objects with an action
 /// and its arguments; a tool call, whose arguments are the plan or a step; a script (see [`super::script`]); a list or table of
-/// calls; or a VirtualHome script. It may stand alone or inside prose and a code block. Takes time linear in the length of the text.
+/// calls; a VirtualHome script; or a behavior tree in XML. It may stand alone or inside prose and a code block. Takes time linear in the length of the text.
 ///
 /// # Errors
 ///
@@ -183,6 +184,9 @@ fn find(text: &str, depth: usize) -> Result<FoundPlan, Unreadable> {
             ..found
         });
     }
+    if let Some(found) = behavior_trees::find(text) {
+        return found;
+    }
     let (answer, thoughts) = thoughts::blanked(text);
     let answer = thoughts::blank(&answer, &tokens::ranges(&answer));
     if thoughts.is_some() && answer.trim().is_empty() {
@@ -278,11 +282,7 @@ fn chosen(
 fn foreign(text: &str) -> Option<&'static str> {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let is_xml = text.starts_with("<?xml") || (text.starts_with('<') && (text.contains("</") || text.contains("/>")));
-    match (text.contains("<BehaviorTree"), is_xml) {
-        (true, _) => Some("a behaviour tree in XML"),
-        (false, true) => Some("XML"),
-        (false, false) => None,
-    }
+    is_xml.then_some("XML")
 }
 
 /// A code block; positions are byte offsets.

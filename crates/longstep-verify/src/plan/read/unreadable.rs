@@ -134,6 +134,16 @@ pub enum Unreadable {
         /// Description of the error.
         message: String,
     },
+    /// A behavior tree has what no plan has.
+    #[error("{}: {message}", at(.position))]
+    BehaviorTree {
+        /// Position of the node.
+        position: Position,
+        /// Description of the error.
+        message: String,
+        /// What a plan can have in its place.
+        hint: String,
+    },
     /// A value has the wrong type.
     #[error("{}: `{path}` should be {expected}, but is {found}", at(.position))]
     WrongShape {
@@ -209,6 +219,7 @@ impl Unreadable {
             Self::WrongShape { .. } => "ask again, and say what the value should be",
             Self::Tree { .. } => "ask again for a tree as docs/schema/plan.schema.json has it, and say what is wrong",
             Self::Script { error, .. } => &error.hint,
+            Self::BehaviorTree { hint, .. } => hint,
             Self::Contradiction { .. } => "ask again, and say that every key may stand there once",
         }
     }

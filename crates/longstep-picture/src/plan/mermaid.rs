@@ -1,0 +1,92 @@
+//! A diagram as a Mermaid flowchart.
+
+use std::fmt::Write as _;
+
+use super::Diagram;
+use super::flowchart::{Flowchart, Shape, Shown};
+
+/// Writes a plan as a Mermaid flowchart: steps with their changes and reasons, branches as questions, lanes as groups.
+///
+/// Texts are in quotes, and characters with a meaning in Mermaid, Markdown or HTML are entities.
+///
+/// ```
+/// use longstep_core::{domain, environment, plan, verify};
+/// use longstep_picture::plan::{Annotations, Diagram, mermaid};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+/// let world = environment::parse(&household, "env.json", text).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let plan = verify::check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+/// let chart = mermaid(&Diagram::of(&plan, &Annotations::default()));
+/// assert!(chart.starts_with("flowchart TD\n"));
+/// assert!(chart.contains("1. move the hand to the pen"));
+/// ```
+pub fn mermaid(diagram: &Diagram) -> String {
+    let chart = Flowchart::of(diagram);
+    let mut text = String::from("flowchart TD\n");
+    for (number, shown) in chart
+        .shapes
+        .iter()
+        .enumerate()
+        .filter(|(_, shown)| shown.lane.is_none())
+    {
+        shape(number, shown, "  ", &mut text);
+    }
+    for (lane, name) in chart.lanes.iter().enumerate() {
+        let _ = writeln!(text, "  subgraph lane{lane}[\"{}\"]", escaped(name));
+        for (number, shown) in chart
+            .shapes
+            .iter()
+            .enumerate()
+            .filter(|(_, shown)| shown.lane == Some(lane))
+        {
+            shape(number, shown, "    ", &mut text);
+        }
+        text.push_str("  end\n");
+    }
+    for arrow in &chart.arrows {
+        let line = if arrow.is_remark { "-.-" } else { "-->" };
+        let label = match &*arrow.label {
+            "" => String::new(),
+            label => format!("|\"{}\"|", escaped(label)),
+        };
+        let _ = writeln!(text, "  n{} {line}{label} n{}", arrow.from, arrow.to);
+    }
+    text
+}
+
+fn shape(number: usize, shown: &Shown, indent: &str, text: &mut String) {
+    let (open, close) = match shown.shape {
+        Shape::Terminal => ("([", "])"),
+        Shape::Step => ("[", "]"),
+        Shape::Sensing => ("[/", "/]"),
+        Shape::Question => ("{", "}"),
+        Shape::Bar => ("[[", "]]"),
+        Shape::Remark => (">", "]"),
+    };
+    let lines: Vec<String> = shown.lines.iter().map(|line| escaped(line)).collect();
+    let _ = writeln!(text, "{indent}n{number}{open}\"{}\"{close}", lines.join("<br/>"));
+}
+
+/// Writes characters that mean something to Mermaid as numbers.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    // A number and a full stop at the beginning would be a list.
+    let number = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    for (at, character) in text.char_indices() {
+        let is_plain = character.is_alphanumeric()
+            || matches!(
+                character,
+                ' ' | ',' | ':' | '\'' | '-' | '/' | '?' | '!' | '_' | '(' | ')'
+            )
+            || (character == '.' && at != number);
+        if is_plain {
+            escaped.push(character);
+        } else if character.is_control() || longstep_core::visible::is_hidden(character) {
+            escaped.push('\u{fffd}');
+        } else {
+            let _ = write!(escaped, "#{};", u32::from(character));
+        }
+    }
+    escaped
+}
