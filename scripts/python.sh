@@ -86,8 +86,8 @@ export LONGSTEP_PROGRAM="$program" LONGSTEP_DEMO_SERVER="$server" LONGSTEP_EVERY
 
 step "types"
 export MYPY_CACHE_DIR="$work/mypy"
-(cd "$work" && "$python" -m mypy --strict --package longstep)
-(cd "$crate/tests" && "$python" -m mypy --strict ./*.py)
+(cd "$work" && "$python" -m mypy --config-file "$crate/pyproject.toml" --package longstep)
+(cd "$crate/tests" && "$python" -m mypy --config-file "$crate/pyproject.toml" ./*.py)
 (cd "$root/examples/python" && for file in ./*.py; do "$python" -m mypy --strict "$file"; done)
 (cd "$work" && "$python" -m mypy.stubtest longstep._longstep)
 

@@ -11,6 +11,10 @@ class Arm:
         # The predicates that `observe` lists besides the states of entities, such as the place of the hand.
         self.reports = self.simulated.reports
 
+    def begin_plan(self, world: longstep.World) -> None:
+        """Begins to count events, such as a wiped table, anew. Robots that report no events need no such method."""
+        self.simulated.begin_plan(world)
+
     def perform(self, action: str, /, *arguments: str) -> None:
         """Returns when the step is done. Raise `longstep.StepFailed` for one that failed; other exceptions stop the run."""
         print(f"  {action} {' '.join(arguments)}")

@@ -118,7 +118,11 @@ impl Answer {
     }
 
     fn __repr__(&self) -> String {
-        format!("<longstep.Answer {}: {} steps>", self.status_name(), self.report.steps.len())
+        format!(
+            "<longstep.Answer {}: {} steps>",
+            self.status_name(),
+            self.report.steps.len()
+        )
     }
 }
 

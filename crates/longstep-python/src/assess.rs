@@ -90,15 +90,16 @@ fn plan_of(domain: &Arc<LoadedDomain>, draft: &Draft, plan: VerifiedPlan, report
 
 /// Verifies a plan; it is neither repaired nor completed.
 #[pyfunction]
-#[pyo3(signature = (plan, world, /, *, goal=None, rules=Vec::new()))]
+#[pyo3(signature = (plan, world, /, *, goal=None, rules=None))]
 pub(crate) fn verify(
     py: Python<'_>,
     plan: &Bound<'_, PyAny>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Vec<String>,
+    rules: Option<Vec<String>>,
 ) -> PyResult<Answer> {
     let (source, domain, ground) = (plan_source(plan)?, world.domain(), Ground::from(&world));
+    let rules = rules.unwrap_or_default();
     let (report, plan) = py.detach(|| -> Result<_, Failure> {
         let started = Instant::now();
         let draft = ground.draft(&source.read("plan")?, goal, &rules)?;
@@ -123,15 +124,16 @@ fn verified(assessment: &Assessment<'_>) -> Option<VerifiedPlan> {
 
 /// Repairs a plan with the cheapest edits. A valid plan stays as it is.
 #[pyfunction]
-#[pyo3(signature = (plan, world, /, *, goal=None, rules=Vec::new()))]
+#[pyo3(signature = (plan, world, /, *, goal=None, rules=None))]
 pub(crate) fn repair(
     py: Python<'_>,
     plan: &Bound<'_, PyAny>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Vec<String>,
+    rules: Option<Vec<String>>,
 ) -> PyResult<Answer> {
     let (source, domain, ground) = (plan_source(plan)?, world.domain(), Ground::from(&world));
+    let rules = rules.unwrap_or_default();
     let (report, plan) = py.detach(|| -> Result<_, Failure> {
         let started = Instant::now();
         let draft = ground.draft(&source.read("plan")?, goal, &rules)?;
@@ -180,24 +182,25 @@ impl EffortArgument {
 
 /// Finds a plan for a goal, and verifies it; a shortest one if the effort allows for the proof.
 #[pyfunction]
-#[pyo3(signature = (world, goal=None, /, *, rules=Vec::new(), effort=None))]
+#[pyo3(signature = (world, goal=None, /, *, rules=None, effort=None))]
 pub(crate) fn solve(
     py: Python<'_>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Vec<String>,
+    rules: Option<Vec<String>>,
     effort: Option<EffortArgument>,
 ) -> PyResult<Answer> {
+    let rules = rules.unwrap_or_default();
     let effort = effort.map(EffortArgument::effort).transpose()?.unwrap_or_default();
     let (limits, domain) = (Limits::from(effort), world.domain());
     let (report, plan) = match (Ground::from(&world), goal) {
         (Ground::World(world), Some(goal)) => py.detach(|| for_goal(world, goal, &rules, &limits, &domain))?,
-        (Ground::Problem(problem), None) if rules.is_empty() => {
-            py.detach(|| for_problem(problem, &limits, &domain))?
-        }
+        (Ground::Problem(problem), None) if rules.is_empty() => py.detach(|| for_problem(problem, &limits, &domain))?,
         (Ground::World(_), None) => return Err(PyTypeError::new_err("solve() needs a goal for a world")),
         (Ground::Problem(_), _) => {
-            return Err(PyTypeError::new_err("solve() takes neither a goal nor rules beside a problem"));
+            return Err(PyTypeError::new_err(
+                "solve() takes neither a goal nor rules beside a problem",
+            ));
         }
     };
     answered(py, report, plan)

@@ -44,8 +44,13 @@ impl CallableModel {
             py.check_signals()?;
             let reply = self.callable.bind(py).call1((object(py, &self.body(request))?,))?;
             let text = reply.cast::<PyString>().map_err(|_| {
-                let class = reply.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
-                PyTypeError::new_err(format!("the model must return the text of its reply as a str, not {class}"))
+                let class = reply
+                    .get_type()
+                    .name()
+                    .map_or_else(|_| "?".to_owned(), |name| name.to_string());
+                PyTypeError::new_err(format!(
+                    "the model must return the text of its reply as a str, not {class}"
+                ))
             })?;
             Ok(text.to_str()?.to_owned())
         })

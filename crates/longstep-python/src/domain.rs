@@ -1,7 +1,8 @@
 //! Domains of robots.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use longstep::domain;
 use longstep_core::model::GoalWord;
@@ -20,7 +21,7 @@ pub(crate) struct Domain {
 impl Domain {
     /// Loads a shipped domain by its name, or any domain from its folder.
     #[new]
-    #[pyo3(signature = (name=PathBuf::from("household"), /))]
+    #[pyo3(signature = (name=PathBuf::from("household"), /), text_signature = "(name=\"household\", /)")]
     fn new(py: Python<'_>, name: PathBuf) -> PyResult<Self> {
         Ok(py.detach(|| Self::load(&name.to_string_lossy()))?)
     }
@@ -44,7 +45,7 @@ impl Domain {
         &self.domain.name
     }
 
-    /// The SHA-256 of the files, in hexadecimal digits: plans name it.
+    /// The hash of the files, in hexadecimal digits: plans name it.
     #[getter]
     fn hash(&self) -> &str {
         &self.domain.hash
@@ -69,10 +70,30 @@ impl Domain {
     }
 }
 
+type Shipped = BTreeMap<String, Arc<domain::Domain>>;
+
+/// Returns the shipped domains that were loaded so far. They never change.
+fn shipped() -> MutexGuard<'static, Shipped> {
+    static SHIPPED: Mutex<Shipped> = Mutex::new(Shipped::new());
+    SHIPPED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Domain {
     /// Loads a domain by name or folder.
+    ///
+    /// Shipped domains are loaded once, and shared.
     pub(crate) fn load(name: &str) -> Result<Self, Failure> {
-        Ok(Self::from(load_domain(name)?))
+        if !domain::shipped_names().contains(&name) {
+            return Ok(Self::from(load_domain(name)?));
+        }
+        if let Some(domain) = shipped().get(name) {
+            return Ok(Self {
+                domain: Arc::clone(domain),
+            });
+        }
+        let loaded = Self::from(load_domain(name)?);
+        shipped().insert(name.to_owned(), Arc::clone(&loaded.domain));
+        Ok(loaded)
     }
 }
 

@@ -51,12 +51,13 @@ impl Draft {
         let mut world = with_rules(world.clone(), rules)?;
         let mut own = None;
         if let Some(purpose) = &draft.file.purpose {
-            (world, own) = goal::with_purpose(world, purpose).map_err(|error| {
-                Failure::unreadable(format!("{}: the purpose of the plan cannot be read: {error}", text.name)).hint(
+            (world, own) =
+                goal::with_purpose(world, purpose).map_err(|error| {
+                    Failure::unreadable(format!("{}: the purpose of the plan cannot be read: {error}", text.name)).hint(
                     "`purpose` has the goal and the rules for which the plan was made, with names of its environment"
                         .to_owned(),
                 )
-            })?;
+                })?;
         }
         if let Some(goal) = goal {
             goal::add_values(&mut world, goal);

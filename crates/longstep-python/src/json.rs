@@ -30,5 +30,7 @@ pub(crate) fn text(object: &Bound<'_, PyAny>) -> PyResult<String> {
     let options = PyDict::new(py);
     options.set_item("ensure_ascii", false)?;
     options.set_item("allow_nan", false)?;
-    py.import("json")?.call_method("dumps", (object,), Some(&options))?.extract()
+    py.import("json")?
+        .call_method("dumps", (object,), Some(&options))?
+        .extract()
 }

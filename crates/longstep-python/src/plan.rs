@@ -108,7 +108,7 @@ impl Plan {
     }
 
     /// Returns a picture of the steps with their reasons; the width is in pixels.
-    #[pyo3(signature = (*, width=picture::WIDTH))]
+    #[pyo3(signature = (*, width=720.0))]
     fn svg(&self, py: Python<'_>, width: f64) -> String {
         self.svg_of_width(py, width)
     }
@@ -126,7 +126,11 @@ impl Plan {
     }
 
     fn __repr__(&self) -> String {
-        format!("<longstep.Plan {}: {} steps>", self.domain.name, self.plan.steps().len())
+        format!(
+            "<longstep.Plan {}: {} steps>",
+            self.domain.name,
+            self.plan.steps().len()
+        )
     }
 }
 
@@ -182,6 +186,10 @@ impl Plan {
             world,
             domain: Arc::clone(&self.domain),
         }
+    }
+
+    pub(crate) fn domain(&self) -> &Arc<LoadedDomain> {
+        &self.domain
     }
 
     /// Returns the name with which the domain of the plan is loaded again.

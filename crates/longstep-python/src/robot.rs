@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use longstep_core::environment::Observation;
+use longstep::domain::Domain as LoadedDomain;
+use longstep_core::environment::{Observation, World as ReadWorld};
 use longstep_core::verify::VerifiedPlan;
 use longstep_robot::{Description, Handle, Order, Progress, Robot, RobotError, Scope, StopSwitch};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
@@ -14,6 +15,7 @@ use pyo3::types::{PyString, PyTuple};
 
 use crate::failure::Failure;
 use crate::json;
+use crate::world::World;
 
 /// Returns the exception for a step that failed and leaves the robot usable.
 pub(crate) fn step_failed(py: Python<'_>, reason: &str) -> PyErr {
@@ -31,7 +33,10 @@ pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
 impl Raised {
     /// Keeps an exception, unless there is one already.
     pub(crate) fn keep(&self, error: PyErr) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get_or_insert(error);
     }
 
     /// Takes the exception.
@@ -47,6 +52,8 @@ impl Raised {
 /// raised in its code, or between two steps.
 pub(crate) struct PythonRobot {
     robot: Py<PyAny>,
+    /// The domain of the plan.
+    domain: Arc<LoadedDomain>,
     description: Description,
     orders: u64,
     /// The ends of orders that were not polled yet.
@@ -57,12 +64,15 @@ pub(crate) struct PythonRobot {
 }
 
 impl PythonRobot {
-    /// Takes a robot. Its attribute `reports`, if it has one, names the predicates that it reports besides states.
-    pub(crate) fn new(robot: &Bound<'_, PyAny>) -> PyResult<Self> {
+    /// Takes a robot. Its attribute `reports`, if it has one, names the predicates that it reports besides states. A method
+    /// `begin_plan` says that it counts events anew with each plan.
+    pub(crate) fn new(robot: &Bound<'_, PyAny>, domain: &Arc<LoadedDomain>) -> PyResult<Self> {
         for method in ["perform", "observe", "stop"] {
             if !robot.getattr_opt(method)?.is_some_and(|own| own.is_callable()) {
                 let class = robot.get_type().name()?;
-                return Err(PyTypeError::new_err(format!("a robot needs a method `{method}`, which {class} lacks")));
+                return Err(PyTypeError::new_err(format!(
+                    "a robot needs a method `{method}`, which {class} lacks"
+                )));
             }
         }
         let mut description = Description::new(&robot.get_type().name()?.to_string());
@@ -70,8 +80,10 @@ impl PythonRobot {
         if let Some(reports) = robot.getattr_opt("reports")? {
             description.reports = reports.extract()?;
         }
+        description.counts_events = robot.hasattr("begin_plan")?;
         Ok(Self {
             robot: robot.clone().unbind(),
+            domain: Arc::clone(domain),
             description,
             orders: 0,
             ended: BTreeMap::new(),
@@ -102,7 +114,10 @@ impl PythonRobot {
         if senses {
             return Ok(());
         }
-        let message = format!("the plan senses (`{}`), and the robot has no method `sense`", action.name);
+        let message = format!(
+            "the plan senses (`{}`), and the robot has no method `sense`",
+            action.name
+        );
         Err(Failure::failed(message)
             .hint("add `sense(outcomes, action, *arguments)`, which returns one of the outcomes".to_owned()))
     }
@@ -164,7 +179,9 @@ fn sensed(returned: &Bound<'_, PyAny>, outcomes: &[String]) -> PyResult<Progress
     let outcome = outcomes.iter().position(|outcome| *outcome == text);
     if outcome.is_none() {
         let expected = outcomes.join(", ");
-        return Err(PyValueError::new_err(format!("`sense` must return one of {expected}, not `{text}`")));
+        return Err(PyValueError::new_err(format!(
+            "`sense` must return one of {expected}, not `{text}`"
+        )));
     }
     Ok(Progress::Done { outcome })
 }
@@ -207,7 +224,8 @@ impl Robot for PythonRobot {
         });
         let text = seen.map_err(|error| self.fail(error))?;
         serde_json::from_str(&text).map_err(|error| {
-            let form = "`observe` must return {\"states\": {\"<cup>\": [\"on_something(<desk>)\"]}}, as in an environment";
+            let form =
+                "`observe` must return {\"states\": {\"<cup>\": [\"on_something(<desk>)\"]}}, as in an environment";
             self.fail(PyValueError::new_err(format!("{form}: {error}")))
         })
     }
@@ -232,6 +250,19 @@ impl Robot for PythonRobot {
         let halted = Arc::clone(&self.halted);
         // The driver of the run calls `stop` of the robot, in its own thread.
         StopSwitch::new(move || halted.store(true, Ordering::SeqCst))
+    }
+
+    fn begin_plan(&mut self, world: &ReadWorld) {
+        if self.description.counts_events {
+            let world = World {
+                world: world.clone(),
+                domain: Arc::clone(&self.domain),
+            };
+            let begun = Python::attach(|py| self.robot.bind(py).call_method1("begin_plan", (world,)).map(|_| ()));
+            if let Err(error) = begun {
+                self.fail(error);
+            }
+        }
     }
 
     fn wait(&mut self, limit: Duration) {

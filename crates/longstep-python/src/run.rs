@@ -8,7 +8,7 @@ use longstep_core::execution::{
 };
 use longstep_core::plan::outline;
 use longstep_robot::{
-    Driven, RobotError, RunControl, RunHeader, RunLog, Watcher, drive, observed_reports, preflight,
+    Driven, Robot as _, RobotError, RunControl, RunHeader, RunLog, Watcher, drive, observed_reports, preflight,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -108,7 +108,8 @@ impl Watcher for Beside {
             if let Event::Changed { steps, edits, .. } = event {
                 self.change = (steps.clone(), edits.clone());
             }
-            self.events.push(serde_json::to_value(event).map_err(|error| error.to_string())?);
+            self.events
+                .push(serde_json::to_value(event).map_err(|error| error.to_string())?);
         }
         Ok(())
     }
@@ -160,14 +161,17 @@ pub(crate) fn run(
     log: Option<PathBuf>,
 ) -> PyResult<Run> {
     let plan = plan.cast::<Plan>().map_err(|_| {
-        let class = plan.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
+        let class = plan
+            .get_type()
+            .name()
+            .map_or_else(|_| "?".to_owned(), |name| name.to_string());
         PyTypeError::new_err(format!(
             "only a verified longstep.Plan is carried out, not {class}; `verify(...).verified()` returns one"
         ))
     })?;
     let plan = plan.get();
     let settings = settings(approve, trust, observe)?.with_changes(changes);
-    let mut robot = PythonRobot::new(robot)?;
+    let mut robot = PythonRobot::new(robot, plan.domain())?;
     let raised = robot.raised();
     let name = robot.name().to_owned();
     let done = py.detach(|| -> Result<_, Failure> {
@@ -182,6 +186,7 @@ pub(crate) fn run(
             change: Default::default(),
             raised: raised.clone(),
         };
+        robot.begin_plan(plan.plan.world());
         let control = RunControl::of(&robot);
         let driven = drive(&mut execution, &mut robot, &mut beside, &control);
         Ok((execution, driven, beside.events))
@@ -206,9 +211,8 @@ pub(crate) fn run(
 /// Begins the execution of a plan on a robot that understands every step. Nothing has moved when this fails.
 fn begun(plan: &Plan, robot: &PythonRobot, settings: Settings) -> Result<Execution, Failure> {
     let world = plan.plan.world();
-    let reports = observed_reports(robot, world).map_err(|error| {
-        Failure::failed(error.to_string()).hint(error.hint().map(str::to_owned))
-    })?;
+    let reports = observed_reports(robot, world)
+        .map_err(|error| Failure::failed(error.to_string()).hint(error.hint().map(str::to_owned)))?;
     let settings = settings.with_reports(reports);
     robot.check_senses(&plan.plan)?;
     let unfit = |error: RobotError| Failure::failed(error.to_string()).hint(error.hint().map(str::to_owned));
@@ -226,7 +230,9 @@ fn refused(error: BeginError) -> Failure {
 
 fn settings(approve: &str, trust: &str, observe: &str) -> PyResult<Settings> {
     let wrong = |option: &str, value: &str, values: &str| {
-        Err(PyValueError::new_err(format!("{option} must be {values}, not {value:?}")))
+        Err(PyValueError::new_err(format!(
+            "{option} must be {values}, not {value:?}"
+        )))
     };
     let approval = match approve {
         "never" => Approval::Never,

@@ -6,9 +6,7 @@ use jiff::Timestamp;
 use longstep::Planner;
 use longstep::domain::Domain as LoadedDomain;
 use longstep::report::{Answer as Report, Status};
-use longstep::session::{
-    Accepted, Entry, OutOfTurn, Response, RuleError, Session as OwnSession, Settings, Strategy,
-};
+use longstep::session::{Accepted, Entry, OutOfTurn, Response, RuleError, Session as OwnSession, Settings, Strategy};
 use longstep_llm::{AdvanceError, ChatModel, Progress, advance};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -120,7 +118,9 @@ impl Session {
         });
         state.session.accept().map_err(out_of_turn)?;
         let last = state.session.accepted().get(before);
-        let plan = last.map(|accepted| self.plan_of(&state.session, before, accepted)).or(proposed);
+        let plan = last
+            .map(|accepted| self.plan_of(&state.session, before, accepted))
+            .or(proposed);
         Ok(plan.ok_or_else(|| Failure::failed("no plan waits for a decision"))?)
     }
 
@@ -261,8 +261,9 @@ impl Session {
     /// Returns the answer to the last words, with the plan that waits for a decision.
     fn outcome(&self, session: &OwnSession) -> Result<(Report, Option<Plan>), Failure> {
         let report = session.report().ok_or_else(|| match session.failure() {
-            Some(failure) => Failure::failed(failure.to_string())
-                .hint("rephrase the instruction, or use another model".to_owned()),
+            Some(failure) => {
+                Failure::failed(failure.to_string()).hint("rephrase the instruction, or use another model".to_owned())
+            }
             None => Failure::failed("the session ended early"),
         })?;
         // A plan that is offered with a question is no answer to what was asked for until the person agrees.

@@ -50,14 +50,19 @@ impl Sim {
         self.lock().describe().reports.clone()
     }
 
+    /// Prepares for a plan that begins in a world: takes its values, and begins to count events, such as a wiped table, anew.
+    fn begin_plan(&self, world: &Bound<'_, World>) {
+        self.lock().begin_plan(&world.get().world);
+    }
+
     /// Performs a step.
-    #[pyo3(signature = (action, *arguments))]
+    #[pyo3(signature = (action, /, *arguments))]
     fn perform(&self, action: &str, arguments: &Bound<'_, PyTuple>) -> PyResult<()> {
         self.carry_out(action, arguments, Vec::new()).map(|_| ())
     }
 
     /// Performs a sensing step; returns one of the `outcomes`.
-    #[pyo3(signature = (outcomes, action, *arguments))]
+    #[pyo3(signature = (outcomes, action, /, *arguments))]
     fn sense(&self, outcomes: Vec<String>, action: &str, arguments: &Bound<'_, PyTuple>) -> PyResult<String> {
         let found = self.carry_out(action, arguments, outcomes.clone())?;
         let outcome = found.and_then(|index| outcomes.into_iter().nth(index));
@@ -82,7 +87,12 @@ impl Sim {
         self.sim.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn carry_out(&self, action: &str, arguments: &Bound<'_, PyTuple>, outcomes: Vec<String>) -> PyResult<Option<usize>> {
+    fn carry_out(
+        &self,
+        action: &str,
+        arguments: &Bound<'_, PyTuple>,
+        outcomes: Vec<String>,
+    ) -> PyResult<Option<usize>> {
         let py = arguments.py();
         let arguments: Vec<String> = arguments.extract()?;
         let mut sim = self.lock();

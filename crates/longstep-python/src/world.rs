@@ -18,7 +18,8 @@ use crate::rule::with_rules;
 use crate::source::{NamedText, Source};
 
 /// Form of an environment, for hints.
-const FORM: &str = "an environment is JSON, or a Python literal, with `assets`, `asset_states`, `objects` and `object_states`";
+const FORM: &str =
+    "an environment is JSON, or a Python literal, with `assets`, `asset_states`, `objects` and `object_states`";
 
 /// An environment, read with the domain of a robot, and the rules in force. Immutable.
 #[pyclass(frozen, module = "longstep")]
@@ -31,14 +32,15 @@ pub(crate) struct World {
 impl World {
     /// Reads an environment: a text, a dict, or the file of a path.
     #[new]
-    #[pyo3(signature = (environment, /, *, domain=None, rules=Vec::new()))]
+    #[pyo3(signature = (environment, /, *, domain=None, rules=None))]
     fn new(
         py: Python<'_>,
         environment: &Bound<'_, PyAny>,
         domain: Option<DomainArgument<'_>>,
-        rules: Vec<String>,
+        rules: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let source = Source::of(environment, "environment")?;
+        let rules = rules.unwrap_or_default();
         let domain = match domain {
             Some(domain) => domain.domain(py)?,
             None => py.detach(|| Domain::load("household"))?.domain,
@@ -95,7 +97,7 @@ impl World {
     }
 
     /// Returns a picture of the entities and their places; the width is in pixels.
-    #[pyo3(signature = (*, width=picture::WIDTH))]
+    #[pyo3(signature = (*, width=720.0))]
     fn svg(&self, width: f64) -> String {
         let scene = Scene::of(&self.world, &self.world.state);
         scene::svg(&scene, &Changes::default(), &SvgOptions::new(width))
@@ -108,7 +110,7 @@ impl World {
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| {
             let other = &other.get().world;
-            self.world.domain().is_same(other.domain())
+            self.world.domain().hash == other.domain().hash
                 && self.world.environment() == other.environment()
                 && self.world.state == other.state
                 && self.rules() == other_rules(other)
@@ -135,9 +137,8 @@ fn other_rules(world: &ReadWorld) -> Vec<&str> {
 
 impl World {
     fn read(text: NamedText, domain: Arc<LoadedDomain>, rules: &[String]) -> Result<Self, Failure> {
-        let (environment, is_wrapped) = Environment::parse(&text.text).map_err(|error| {
-            Failure::unreadable(format!("{}: {error}", text.name)).hint(text.hint(FORM))
-        })?;
+        let (environment, is_wrapped) = Environment::parse(&text.text)
+            .map_err(|error| Failure::unreadable(format!("{}: {error}", text.name)).hint(text.hint(FORM)))?;
         let inside = if is_wrapped {
             Path::key("environment")
         } else {

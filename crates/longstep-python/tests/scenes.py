@@ -41,6 +41,9 @@ class Recorder:
         self.calls: list[str] = []
         self.stops = 0
 
+    def begin_plan(self, world: longstep.World) -> None:
+        self._sim.begin_plan(world)
+
     def perform(self, action: str, /, *arguments: str) -> None:
         self.calls.append(" ".join((action, *arguments)))
         self._sim.perform(action, *arguments)

@@ -29,7 +29,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self._send(503, {"error": {"kind": "busy", "message": "wait", "hint": "again later"}})
         if self.path == "/api/runs/elsewhere":
             self.send_response(302)
-            self.send_header("Location", f"http://127.0.0.1:{self.server.server_address[1]}/api/runs/x")
+            self.send_header("Location", "/api/runs/x")
             self.end_headers()
             return None
         if self.path == "/api/runs/text":

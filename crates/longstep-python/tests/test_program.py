@@ -60,9 +60,11 @@ def own(answer: longstep.Answer) -> str:
 
 
 def damaged(plan: dict[str, Any]) -> dict[str, Any]:
-    """The plan without the second half of its steps' calls, and without what it claims."""
+    """The plan without the call in the middle; a plan that is a tree stays as it is."""
     cohesion = plan["task_cohesion"]
-    calls = cohesion.get("task_sequence") or []
+    calls = cohesion.get("task_sequence")
+    if not calls:
+        return plan
     kept = [call for place, call in enumerate(calls) if place != len(calls) // 2]
     return {**plan, "task_cohesion": {**cohesion, "task_sequence": kept}}
 

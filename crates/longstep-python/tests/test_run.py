@@ -155,7 +155,7 @@ except KeyboardInterrupt:
     def test_an_observation_in_another_form_stops_the_robot(self) -> None:
         class Blind(Recorder):
             def observe(self) -> longstep.Observation:
-                return cast(Any, {"seen": []})
+                return cast(longstep.Observation, {"seen": []})
 
         robot = Blind(self.world)
         with self.assertRaisesRegex(ValueError, "states"):

@@ -21,9 +21,8 @@ class UnifiedPlanning(unittest.TestCase):
 
     @unittest.skipUnless(INSTALLED, "unified_planning is not installed")
     def test_a_problem_is_solved_and_its_plan_comes_back(self) -> None:
-        from unified_planning.shortcuts import (
-            BoolType, Fluent, InstantaneousAction, Not, Object, Problem, SequentialPlanValidator, UserType,
-        )
+        from unified_planning.engines import SequentialPlanValidator
+        from unified_planning.shortcuts import BoolType, Fluent, InstantaneousAction, Not, Object, Problem, UserType
 
         place = UserType("Place")
         # Names that PDDL does not have are renamed on the way there, and come back as they were.

@@ -52,7 +52,7 @@ class World:
         /,
         *,
         domain: Domain | str | PathLike[str] | None = None,
-        rules: Sequence[str] = [],
+        rules: Sequence[str] | None = None,
     ) -> World: ...
     @property
     def domain(self) -> Domain: ...
@@ -232,6 +232,7 @@ class Sim:
     ) -> Sim: ...
     @property
     def reports(self) -> list[str]: ...
+    def begin_plan(self, world: World) -> None: ...
     def perform(self, action: str, /, *arguments: str) -> None: ...
     def sense(self, outcomes: list[str], action: str, /, *arguments: str) -> str: ...
     def observe(self) -> Observation: ...
@@ -258,7 +259,7 @@ def verify(
     /,
     *,
     goal: str | None = None,
-    rules: Sequence[str] = [],
+    rules: Sequence[str] | None = None,
 ) -> Answer: ...
 def repair(
     plan: Plan | _Text | dict[str, Any],
@@ -266,14 +267,14 @@ def repair(
     /,
     *,
     goal: str | None = None,
-    rules: Sequence[str] = [],
+    rules: Sequence[str] | None = None,
 ) -> Answer: ...
 def solve(
     world: World | Problem,
     goal: str | None = None,
     /,
     *,
-    rules: Sequence[str] = [],
+    rules: Sequence[str] | None = None,
     effort: _Effort | None = None,
 ) -> Answer: ...
 def run(

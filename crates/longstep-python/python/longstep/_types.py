@@ -82,8 +82,12 @@ class Observation(_ObservationBase, total=False):
 
 
 class Robot(Protocol):
-    """A robot: any object with these three methods. Its attribute `reports`, if it has one, lists the predicates of which
-    `observe` reports all facts."""
+    """A robot: any object with these three methods.
+
+    Its attribute `reports`, if it has one, lists the predicates of which `observe` reports all facts. Its method `begin_plan`,
+    if it has one, is called with the world before each plan: then it may report events too, such as a wiped table, and counts
+    them anew.
+    """
 
     def perform(self, action: str, /, *arguments: str) -> None:
         """Performs a step, and returns when it is done.
