@@ -82,7 +82,6 @@ python="$work/checked/bin/python"
 "$python" -m pip install --quiet --disable-pip-version-check --no-index --no-deps "$wheel"
 export LONGSTEP_PROGRAM="$program" LONGSTEP_DEMO_SERVER="$server" LONGSTEP_EVERY="$every" PYTHONDONTWRITEBYTECODE=1
 (cd "$crate/tests" && "$python" -W error::ResourceWarning -m unittest)
-(cd "$work" && "$python" -m doctest "$crate/python/longstep/__init__.py")
 
 step "types"
 export MYPY_CACHE_DIR="$work/mypy"

@@ -1,14 +1,14 @@
 //! Answers: the JSON object of `plan`, `verify`, `repair` and `solve`, with its usual parts as attributes.
 
-use std::collections::HashMap;
-
-use longstep::report::{Answer as Report, EditAnswer, Status, StepAnswer, ViolationAnswer};
+use longstep::report::{Answer as Report, Status};
 use pyo3::prelude::*;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, FailureKind};
+use crate::finding::{Edit, Violation};
 use crate::json;
 use crate::picture;
 use crate::plan::Plan;
+use crate::step::Step;
 
 /// The answer to a request. Immutable.
 #[pyclass(frozen, module = "longstep")]
@@ -46,7 +46,7 @@ impl Answer {
     /// Returns the verified plan.
     fn verified(slf: &Bound<'_, Self>) -> PyResult<Py<Plan>> {
         let plan = slf.get().plan(slf.py());
-        plan.ok_or_else(|| Failure::without_plan(slf).into())
+        plan.ok_or_else(|| slf.get().without_plan(slf).into())
     }
 
     /// The steps with all arguments, also those of an invalid plan.
@@ -132,12 +132,21 @@ impl Answer {
         Ok(Self { report, plan })
     }
 
-    pub(crate) fn status(&self) -> Status {
-        self.report.status
+    /// Returns the failure of a caller that needs the verified plan.
+    fn without_plan(&self, own: &Bound<'_, Self>) -> Failure {
+        let kind = match self.report.status {
+            Status::Unsolvable => FailureKind::Unsolvable,
+            Status::GaveUp => FailureKind::GaveUp,
+            Status::Question => FailureKind::Question,
+            Status::Verified | Status::Invalid => FailureKind::NotValid,
+        };
+        Failure::new(kind, self.sentence())
+            .hint(self.hint())
+            .answer(own.clone().into_any().unbind())
     }
 
     /// Returns the outcome in one sentence: the question, the violations, or the status.
-    pub(crate) fn sentence(&self) -> String {
+    fn sentence(&self) -> String {
         match self.report.status {
             Status::Question => self.report.plan.question.clone(),
             _ => self.report.sentence(),
@@ -145,140 +154,12 @@ impl Answer {
     }
 
     /// Returns the next step for the user, if there is one.
-    pub(crate) fn hint(&self) -> Option<String> {
+    fn hint(&self) -> Option<String> {
         match self.report.status {
             Status::Invalid => Some("`longstep.repair` may mend the plan".to_owned()),
             Status::GaveUp => Some("pass a larger `effort`".to_owned()),
             Status::Unsolvable => self.report.notes.first().cloned(),
             Status::Verified | Status::Question => None,
         }
-    }
-}
-
-/// A step of a plan.
-#[pyclass(frozen, get_all, module = "longstep")]
-pub(crate) struct Step {
-    /// Index in the plan, from 0.
-    index: usize,
-    /// Name of the call.
-    action: String,
-    /// Arguments that the call shows.
-    arguments: Vec<String>,
-    /// Arguments that the call hides, by the name of the parameter.
-    implicit: HashMap<String, String>,
-    /// The hand, arm or robot; none if the domain has only one or the step takes several.
-    arm: Option<String>,
-    /// Description of the step.
-    explanation: String,
-}
-
-impl From<StepAnswer> for Step {
-    fn from(step: StepAnswer) -> Self {
-        Self {
-            index: step.index,
-            action: step.action,
-            arguments: step.arguments,
-            implicit: step.implicit.into_iter().collect(),
-            arm: step.arm,
-            explanation: step.explanation,
-        }
-    }
-}
-
-#[pymethods]
-impl Step {
-    fn __str__(&self) -> String {
-        format!("{}({})", self.action, self.arguments.join(", "))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<longstep.Step {}: {}>", self.index, self.__str__())
-    }
-}
-
-/// A violation of a plan.
-#[pyclass(frozen, get_all, module = "longstep")]
-pub(crate) struct Violation {
-    /// Kind, for example `precondition`.
-    kind: String,
-    /// Index of the step, from 0; none for the plan as a whole.
-    step: Option<usize>,
-    /// Call of that step.
-    action: Option<String>,
-    /// Missing facts, as sentences.
-    missing: Vec<String>,
-    /// Index of the step that removed them, from 0.
-    undone_by: Option<usize>,
-    /// Sensing outcomes of the branches with this violation; empty if it occurs on every branch.
-    when: Vec<String>,
-    /// The violation as one sentence.
-    message: String,
-}
-
-impl From<&ViolationAnswer> for Violation {
-    fn from(violation: &ViolationAnswer) -> Self {
-        Self {
-            kind: violation.kind.to_owned(),
-            step: violation.step,
-            action: violation.action.clone(),
-            missing: violation.missing.clone(),
-            undone_by: violation.undone_by,
-            when: violation.when.clone(),
-            message: violation.message.clone(),
-        }
-    }
-}
-
-#[pymethods]
-impl Violation {
-    fn __str__(&self) -> &str {
-        &self.message
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<longstep.Violation {}: {}>", self.kind, self.message)
-    }
-}
-
-/// An edit of a repair.
-#[pyclass(frozen, get_all, module = "longstep")]
-pub(crate) struct Edit {
-    /// `insert`, `drop`, `replace` or `move`.
-    kind: String,
-    /// Index in the repaired plan, from 0: of the new step, or of the position of a dropped one.
-    at: usize,
-    /// The call before the edit; none for an insertion.
-    before: Option<String>,
-    /// The call after the edit; none for a dropped step.
-    after: Option<String>,
-    /// The reason, in one sentence.
-    why: String,
-}
-
-impl From<&EditAnswer> for Edit {
-    fn from(edit: &EditAnswer) -> Self {
-        Self {
-            kind: edit.kind.to_owned(),
-            at: edit.at,
-            before: edit.before.clone(),
-            after: edit.after.clone(),
-            why: edit.why.clone(),
-        }
-    }
-}
-
-#[pymethods]
-impl Edit {
-    fn __str__(&self) -> String {
-        let call = |call: &Option<String>| call.clone().unwrap_or_default();
-        match (&self.before, &self.after) {
-            (None, after) => format!("insert {} ({})", call(after), self.why),
-            (before, None) => format!("drop {} ({})", call(before), self.why),
-            (Some(before), Some(after)) => format!("{} {before}: {after} ({})", self.kind, self.why),
-        }
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<longstep.Edit {}>", self.__str__())
     }
 }

@@ -41,7 +41,7 @@ impl Place<'_> {
 /// Reads a plan as a caller gives it: a `Plan`, a text, a dict, or a path.
 fn plan_source(plan: &Bound<'_, PyAny>) -> PyResult<Source> {
     match plan.cast::<Plan>() {
-        Ok(plan) => Ok(Source::Text(plan.get().text()?)),
+        Ok(plan) => Ok(Source::Text(plan.get().json()?)),
         Err(_) => Source::of(plan, "plan"),
     }
 }
@@ -73,11 +73,6 @@ impl Ground<'_> {
     }
 }
 
-/// Returns the answer to a request, with its verified plan.
-fn answered(py: Python<'_>, report: Report, plan: Option<Plan>) -> PyResult<Answer> {
-    Answer::new(py, report, plan)
-}
-
 /// Returns the plan of an assessment, with the goal of its draft.
 fn plan_of(domain: &Arc<LoadedDomain>, draft: &Draft, plan: VerifiedPlan, report: &Report) -> Plan {
     let plan = Plan::new(domain, plan, report.plan.clone()).for_goal(draft.goal.as_ref());
@@ -89,6 +84,16 @@ fn plan_of(domain: &Arc<LoadedDomain>, draft: &Draft, plan: VerifiedPlan, report
 }
 
 /// Verifies a plan; it is neither repaired nor completed.
+///
+/// The plan is a `Plan`, a text, a dict, or the path of a file: JSON, a script, a model's reply, or the output of a planner. A
+/// goal takes the place of the one in the plan. The answer is `verified`, `invalid` or `question`; raises `Unreadable` for a
+/// plan, a goal or a rule that cannot be read.
+///
+/// >>> world = longstep.World({"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+/// ...     "object_states": {"<pen>": "on_something(<desk>)"}})
+/// >>> draft = {"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}
+/// >>> longstep.verify(draft, world).violations[0].message
+/// 'step 1: grasp_object() needs that the hand is at the pen'
 #[pyfunction]
 #[pyo3(signature = (plan, world, /, *, goal=None, rules=None))]
 pub(crate) fn verify(
@@ -111,7 +116,7 @@ pub(crate) fn verify(
         let plan = verified(&assessment).map(|plan| plan_of(&domain, &draft, plan, &report));
         Ok((report, plan))
     })?;
-    answered(py, report, plan)
+    Answer::new(py, report, plan)
 }
 
 /// Returns the plan of an assessment as it was written, if it is valid and no question.
@@ -122,7 +127,16 @@ fn verified(assessment: &Assessment<'_>) -> Option<VerifiedPlan> {
     }
 }
 
-/// Repairs a plan with the cheapest edits. A valid plan stays as it is.
+/// Repairs a plan with the cheapest edits, and gives a reason for each. A valid plan stays as it is.
+///
+/// Takes what `verify` takes. The answer is `verified`, `invalid` if a repair would be a guess, `unsolvable`, `gave_up` or
+/// `question`.
+///
+/// >>> world = longstep.World({"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+/// ...     "object_states": {"<pen>": "on_something(<desk>)"}})
+/// >>> draft = {"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}
+/// >>> [str(step) for step in longstep.repair(draft, world).verified().steps]
+/// ['move_hand()', 'grasp_object()', 'release_object()']
 #[pyfunction]
 #[pyo3(signature = (plan, world, /, *, goal=None, rules=None))]
 pub(crate) fn repair(
@@ -160,7 +174,7 @@ pub(crate) fn repair(
         };
         Ok((report, plan))
     })?;
-    answered(py, report, plan)
+    Answer::new(py, report, plan)
 }
 
 /// The work of a search: `small`, `normal`, `large`, or millions of units.
@@ -181,6 +195,17 @@ impl EffortArgument {
 }
 
 /// Finds a plan for a goal, and verifies it; a shortest one if the effort allows for the proof.
+///
+/// The effort is `small` (tenths of a second), `normal` (at most one or two seconds), `large` (at most ten or twenty), or
+/// millions of units of work, from 1 to 10,000. It is a limit of work: the answer is the same on every machine. The answer
+/// is `verified`, `unsolvable` (proven) or `gave_up`; raises `Unreadable` for a goal or a rule that cannot be read.
+///
+/// >>> world = longstep.World({"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+/// ...     "object_states": {"<pen>": "on_something(<desk>)"}})
+/// >>> print(longstep.solve(world, "put(pen, shelf)").verified().steps[3].explanation)
+/// move the pen to the shelf
+/// >>> longstep.solve(world, "put(pen, shelf) & untouched(pen)").status
+/// 'unsolvable'
 #[pyfunction]
 #[pyo3(signature = (world, goal=None, /, *, rules=None, effort=None))]
 pub(crate) fn solve(
@@ -203,7 +228,7 @@ pub(crate) fn solve(
             ));
         }
     };
-    answered(py, report, plan)
+    Answer::new(py, report, plan)
 }
 
 type Solved = (Report, Option<Plan>);

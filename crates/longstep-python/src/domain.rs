@@ -12,6 +12,11 @@ use pyo3::prelude::*;
 use crate::failure::Failure;
 
 /// A robot: its actions, and the words for them. Immutable; shared by worlds and threads.
+///
+/// A name is that of a shipped domain, anything else the path of a folder. Raises `Unreadable` with every mistake in its files.
+///
+/// >>> longstep.Domain("household").actions[:2]
+/// ['move-object', 'move-hand']
 #[pyclass(frozen, module = "longstep")]
 pub(crate) struct Domain {
     pub(crate) domain: Arc<domain::Domain>,

@@ -1,14 +1,11 @@
 //! Errors of the library as exceptions of Python, with their hints.
 
-use longstep::report::Status;
 use longstep_core::diagnostic::Diagnostics;
 use longstep_core::goal::GoalError;
 use longstep_files::{DomainError, TextFileError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-
-use crate::answer::Answer;
 
 /// The class of an exception in `longstep._errors`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +43,7 @@ pub(crate) struct Failure {
     kind: FailureKind,
     message: String,
     hint: Option<String>,
-    answer: Option<Py<Answer>>,
+    answer: Option<Py<PyAny>>,
 }
 
 impl Failure {
@@ -69,26 +66,18 @@ impl Failure {
         Self::new(FailureKind::Unreadable, message)
     }
 
-    /// Returns the failure of a caller that needs the verified plan of an answer without one.
-    pub(crate) fn without_plan(answer: &Bound<'_, Answer>) -> Self {
-        let own = answer.get();
-        let kind = match own.status() {
-            Status::Unsolvable => FailureKind::Unsolvable,
-            Status::GaveUp => FailureKind::GaveUp,
-            Status::Question => FailureKind::Question,
-            Status::Verified | Status::Invalid => FailureKind::NotValid,
-        };
-        Self {
-            answer: Some(answer.clone().unbind()),
-            hint: own.hint(),
-            ..Self::new(kind, own.sentence())
-        }
-    }
-
     /// Adds the next step for the user.
     pub(crate) fn hint(self, hint: impl Into<Option<String>>) -> Self {
         Self {
             hint: hint.into(),
+            ..self
+        }
+    }
+
+    /// Adds the answer that says why.
+    pub(crate) fn answer(self, answer: Py<PyAny>) -> Self {
+        Self {
+            answer: Some(answer),
             ..self
         }
     }

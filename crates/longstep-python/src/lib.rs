@@ -12,6 +12,7 @@ mod callable;
 mod domain;
 mod draft;
 mod failure;
+mod finding;
 mod json;
 mod picture;
 mod plan;
@@ -22,16 +23,19 @@ mod run;
 mod session;
 mod sim;
 mod source;
+mod step;
 mod world;
 
 #[pyo3::pymodule]
 mod _longstep {
     #[pymodule_export]
-    use crate::answer::{Answer, Edit, Step, Violation};
+    use crate::answer::Answer;
     #[pymodule_export]
     use crate::assess::{repair, solve, verify};
     #[pymodule_export]
     use crate::domain::Domain;
+    #[pymodule_export]
+    use crate::finding::{Edit, Violation};
     #[pymodule_export]
     use crate::plan::Plan;
     #[pymodule_export]
@@ -42,6 +46,8 @@ mod _longstep {
     use crate::session::Session;
     #[pymodule_export]
     use crate::sim::Sim;
+    #[pymodule_export]
+    use crate::step::Step;
     #[pymodule_export]
     use crate::world::World;
 

@@ -14,10 +14,10 @@ use longstep_picture::plan::Annotations;
 use pyo3::prelude::*;
 use sha2::{Digest, Sha256};
 
-use crate::answer::Step;
 use crate::failure::Failure;
 use crate::json;
 use crate::picture;
+use crate::step::Step;
 use crate::world::World;
 
 /// Bytes of a plan's hash that are written, as a server writes it.
@@ -91,7 +91,7 @@ impl Plan {
     }
 
     /// Returns the plan as JSON, as `longstep plan --save` writes it; `longstep run` reads it.
-    fn json(&self) -> PyResult<String> {
+    pub(crate) fn json(&self) -> PyResult<String> {
         let file = self.file.clone().of_domain(&self.domain);
         let text = serde_json::to_string_pretty(&file).map_err(|error| Failure::failed(error.to_string()))?;
         Ok(text)
@@ -199,10 +199,5 @@ impl Plan {
 
     pub(crate) fn svg_of_width(&self, py: Python<'_>, width: f64) -> String {
         py.detach(|| picture::plan(&self.plan, &self.annotations, width))
-    }
-
-    /// Returns the text of the plan with its purpose, for functions that read plans.
-    pub(crate) fn text(&self) -> PyResult<String> {
-        self.json()
     }
 }

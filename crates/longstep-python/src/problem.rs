@@ -15,6 +15,15 @@ use crate::source::Source;
 use crate::world::World;
 
 /// A PDDL problem, read with its domain: a world and a goal. Immutable.
+///
+/// Raises `Unreadable` with every mistake and its line and column.
+///
+/// >>> lamps = """(define (domain lamps) (:predicates (lit ?lamp))
+/// ...     (:action light :parameters (?lamp) :precondition (not (lit ?lamp)) :effect (lit ?lamp)))"""
+/// >>> evening = """(define (problem evening) (:domain lamps) (:objects hall porch)
+/// ...     (:init (lit hall)) (:goal (lit porch)))"""
+/// >>> longstep.solve(longstep.Problem(lamps, evening)).verified().pddl()
+/// '(light porch)\n'
 #[pyclass(frozen, module = "longstep")]
 pub(crate) struct Problem {
     pub(crate) problem: pddl::Problem,

@@ -146,6 +146,21 @@ impl Watcher for Beside {
 }
 
 /// Carries out a verified plan on a robot; every step is compared with what the robot observes.
+///
+/// The rest of the plan is mended when the world differs, at most `changes` times. `ask` decides about the plan and its
+/// changes (`approve="changes"`), or before every step as well (`"each-step"`); without it nothing moves unless `approve` is
+/// `"never"`. The end needs facts that were `observed`, or takes the `promised` effects of steps. The robot observes after
+/// `"each-step"`, or `"on-failure"` alone. `log` is a new file for the events.
+///
+/// An exception of the robot or of `ask`, and Ctrl-C, stop the robot and are raised then; only `StepFailed` is a failed step.
+/// Raises `TypeError` for anything but a verified plan, and `LongstepError` if the robot does not fit, before anything moves.
+///
+/// >>> world = longstep.World({"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+/// ...     "object_states": {"<pen>": "on_something(<desk>)"}})
+/// >>> plan = longstep.solve(world, "put(pen, shelf)").verified()
+/// >>> run = longstep.run(plan, longstep.Sim(world), approve="never")
+/// >>> run.is_done, run.world.environment()["object_states"]
+/// (True, {'<pen>': 'on_something(<shelf>)'})
 #[pyfunction]
 #[pyo3(signature = (plan, robot, /, *, approve="changes", ask=None, trust="observed", observe="each-step", changes=8, log=None))]
 #[allow(clippy::too_many_arguments, reason = "keyword-only options of Python")]

@@ -23,6 +23,22 @@ const INSTRUCTION_LIMIT: usize = 2000;
 
 /// A sequence of instructions, with a model that says what they mean. Every plan begins in the world that the accepted
 /// ones before it leave.
+///
+/// The model is a callable: it takes a request (`messages`, `temperature`, `max_tokens`, `response_format`) and returns the
+/// text of the reply. `context_tokens` is its limit for prompt and answer together. `strategy="direct"` asks it for whole
+/// plans, which are corrected in at most `rounds`. `partial` proposes a plan that leaves words out like any other.
+///
+/// Raises what the model raises, and `LongstepError` for words that do not fit the `status`, for a reply that cannot be used,
+/// and while another thread uses the session.
+///
+/// >>> world = longstep.World({"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+/// ...     "object_states": {"<pen>": "on_something(<desk>)"}})
+/// >>> model = lambda request: '{"goal": "put(pen, shelf)", "left_out": [], "question": ""}'
+/// >>> session = longstep.Session(world, model)
+/// >>> session.instruct("The pen belongs on the shelf").status, session.status
+/// ('verified', 'plan')
+/// >>> len(session.accept()), session.world.environment()["object_states"]
+/// (6, {'<pen>': 'on_something(<shelf>)'})
 #[pyclass(frozen, module = "longstep")]
 pub(crate) struct Session {
     domain: Arc<LoadedDomain>,
@@ -175,7 +191,7 @@ impl Session {
             Response::Question(_) => "question",
             Response::NoPlan(_) => "no_plan",
             Response::Endings(_) => "endings",
-            // A model that raised an exception is asked again with the next words.
+            // No call ends while the model is awaited.
             _ => "ready",
         })
     }

@@ -13,6 +13,16 @@ use crate::robot::step_failed;
 use crate::world::World;
 
 /// A simulated robot in a world: it does what the domain says, and slips now and then if it is asked to.
+///
+/// Of the first `horizon` steps (20), `faults` (0 to 100) go wrong in one of the `kinds`: `fails`, `no-effect`, `slips`,
+/// `moved` and `undone`. The same `seed` gives the same mishaps.
+///
+/// >>> world = longstep.World({"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+/// ...     "object_states": {"<pen>": "on_something(<desk>)"}})
+/// >>> robot = longstep.Sim(world)
+/// >>> robot.perform("move-hand", "<pen>")
+/// >>> robot.observe()["states"]["<pen>"]
+/// ['on_something(<desk>)']
 #[pyclass(frozen, module = "longstep")]
 pub(crate) struct Sim {
     sim: Mutex<OwnSim>,

@@ -22,6 +22,17 @@ const FORM: &str =
     "an environment is JSON, or a Python literal, with `assets`, `asset_states`, `objects` and `object_states`";
 
 /// An environment, read with the domain of a robot, and the rules in force. Immutable.
+///
+/// The environment is a dict, a text, or the `os.PathLike` of a file: `assets` are places, `objects` can be moved, and
+/// `asset_states` and `object_states` are their states in the words of the domain. The domain is a `Domain`, the name of a
+/// shipped one, or a folder; `household` without one. Raises `Unreadable` with every mistake and its line and column.
+///
+/// >>> world = longstep.World({"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+/// ...     "object_states": {"<pen>": "on_something(<desk>)"}})
+/// >>> world.facts[0]
+/// '(on <pen> <desk>)'
+/// >>> world.with_rules(["untouched(pen)"]).rules
+/// ['untouched(<pen>)']
 #[pyclass(frozen, module = "longstep")]
 pub(crate) struct World {
     pub(crate) world: ReadWorld,
