@@ -32,6 +32,8 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 step() { printf '\n== %s\n' "$*" >&2; }
 
+export PYTHONDONTWRITEBYTECODE=1
+
 step "the wheel"
 wheels="${LONGSTEP_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/longstep}/python/$profile"
 mkdir -p "$wheels"
@@ -62,6 +64,7 @@ while read -r version python; do
     PATH="$work/empty" ${alone[@]+"${alone[@]/#unshare/$(command -v unshare)}"} "$work/$version/bin/python" -m pip install --quiet \
         --disable-pip-version-check --no-index --no-deps "$wheel"
     (cd "$work" && "$work/$version/bin/python" "$crate/tests/installed.py" "$root")
+    (cd "$crate/tests" && "$work/$version/bin/python" -m unittest --quiet test_docstrings test_plans test_run test_session)
     tried+=("$version")
 done < <(pythons)
 [ ${#tried[@]} -gt 0 ] || {
@@ -80,7 +83,7 @@ pathlib.Path(sysconfig.get_path("purelib"), "tools.pth").write_text(f"{site}\n")
 PY
 python="$work/checked/bin/python"
 "$python" -m pip install --quiet --disable-pip-version-check --no-index --no-deps "$wheel"
-export LONGSTEP_PROGRAM="$program" LONGSTEP_DEMO_SERVER="$server" LONGSTEP_EVERY="$every" PYTHONDONTWRITEBYTECODE=1
+export LONGSTEP_PROGRAM="$program" LONGSTEP_DEMO_SERVER="$server" LONGSTEP_EVERY="$every"
 (cd "$crate/tests" && "$python" -W error::ResourceWarning -m unittest)
 
 step "types"

@@ -73,14 +73,15 @@ def damaged(plan: dict[str, Any]) -> dict[str, Any]:
 @unittest.skipUnless(sys.version_info >= (3, 11), "suites are TOML files, which Python reads from 3.11 on")
 class Bytes(unittest.TestCase):
     def compare(self, task: tuple[str, Path, str], folder: Path) -> tuple[int, list[str]]:
-        """Compares the three answers for a goal; returns how many were compared, and the differing ones."""
+        """Compares the answers for a goal; returns how many were compared, and the differing ones."""
         domain, scene, goal = task
         world = longstep.World(scene, domain=domain)
         place = ("--env", scene, "--domain", domain)
         answer = longstep.solve(world, goal)
-        pairs = [("solve", own(answer), printed("solve", "--goal", goal, *place))]
+        saved, whole, broken = (folder / f"{name}.json" for name in ("saved", "whole", "broken"))
+        pairs = [("solve", own(answer), printed("solve", "--goal", goal, *place, "--save", saved))]
         if answer.plan is not None:
-            whole, broken = folder / "whole.json", folder / "broken.json"
+            pairs.append(("the file of the plan", answer.plan.json() + "\n", saved.read_text(encoding="utf-8")))
             whole.write_text(answer.plan.json(), encoding="utf-8")
             broken.write_text(json.dumps(damaged(answer.plan.dict())), encoding="utf-8")
             pairs.append(("verify", own(longstep.verify(whole, world)), printed("verify", whole, *place)))
