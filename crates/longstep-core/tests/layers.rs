@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 type Edges = BTreeMap<String, BTreeMap<String, Vec<String>>>;
 
 /// Crates from the ground up: each may depend on those before it.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
     "longstep-model",
     "longstep-files",
     "longstep-verify",
@@ -25,6 +25,7 @@ const ORDER: [&str; 14] = [
     "longstep",
     "longstep-author",
     "longstep-llm",
+    "longstep-python",
     "longstep-server",
     "longstep-eval",
     "longstep-cli",

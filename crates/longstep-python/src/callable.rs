@@ -1,0 +1,124 @@
+//! A Python callable as a language model.
+
+use longstep::dialogue::{
+    ChatRequest, Constraint, ConstraintKind, Counting, EstimatedTokens, Message, Reply, Role, TokenCounter,
+};
+use longstep_llm::{ChatModel, ModelError, Watch};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+use serde_json::{Value, json};
+
+use crate::json::object;
+
+/// A callable that takes a request as a dict and returns the text of the reply.
+pub(crate) struct CallableModel {
+    callable: Py<PyAny>,
+    name: String,
+    context_tokens: Option<u64>,
+    temperature: f64,
+    counter: EstimatedTokens,
+    /// The exception that the callable raised last.
+    raised: Option<PyErr>,
+}
+
+impl CallableModel {
+    pub(crate) fn new(callable: Py<PyAny>, name: String, context_tokens: Option<u64>, temperature: f64) -> Self {
+        Self {
+            callable,
+            name,
+            context_tokens,
+            temperature,
+            counter: EstimatedTokens::default(),
+            raised: None,
+        }
+    }
+
+    /// Takes the exception that ended the last call.
+    pub(crate) fn take_raised(&mut self) -> Option<PyErr> {
+        self.raised.take()
+    }
+
+    fn call(&self, request: &ChatRequest) -> PyResult<String> {
+        Python::attach(|py| {
+            py.check_signals()?;
+            let reply = self.callable.bind(py).call1((object(py, &self.body(request))?,))?;
+            let text = reply.cast::<PyString>().map_err(|_| {
+                let class = reply
+                    .get_type()
+                    .name()
+                    .map_or_else(|_| "?".to_owned(), |name| name.to_string());
+                PyTypeError::new_err(format!(
+                    "the model must return the text of its reply as a str, not {class}"
+                ))
+            })?;
+            Ok(text.to_str()?.to_owned())
+        })
+    }
+
+    /// Returns the request with the names of OpenAI's chat completions.
+    fn body(&self, request: &ChatRequest) -> Value {
+        let messages: Vec<Value> = request
+            .messages
+            .iter()
+            .map(|message| json!({"role": role(message.role), "content": message.text}))
+            .collect();
+        let mut body = json!({
+            "messages": messages,
+            "temperature": self.temperature,
+            "max_tokens": request.max_tokens,
+        });
+        if let Constraint::JsonSchema(schema) = &request.constraint {
+            body["response_format"] =
+                json!({"type": "json_schema", "json_schema": {"name": "answer", "strict": true, "schema": schema}});
+        }
+        body
+    }
+}
+
+fn role(role: Role) -> &'static str {
+    match role {
+        Role::System => "system",
+        Role::User => "user",
+        Role::Assistant => "assistant",
+    }
+}
+
+impl TokenCounter for CallableModel {
+    fn message_tokens(&mut self, message: &Message) -> u64 {
+        self.counter.message_tokens(message)
+    }
+
+    fn frame_tokens(&mut self) -> u64 {
+        self.counter.frame_tokens()
+    }
+
+    fn counting(&self) -> Counting {
+        self.counter.counting()
+    }
+}
+
+impl ChatModel for CallableModel {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn constraint_kind(&self) -> ConstraintKind {
+        ConstraintKind::JsonSchema
+    }
+
+    fn chat(&mut self, request: &ChatRequest, _: &mut dyn Watch) -> Result<Reply, ModelError> {
+        match self.call(request) {
+            Ok(text) => Ok(Reply::complete(text)),
+            Err(raised) => {
+                self.raised = Some(raised);
+                // The session takes the words back; the exception is raised when it has.
+                Err(ModelError::Stopped)
+            }
+        }
+    }
+
+    fn context_tokens(&self) -> Option<u64> {
+        self.context_tokens
+    }
+}

@@ -1,0 +1,203 @@
+//! Verified plans.
+
+use std::sync::Arc;
+
+use longstep::Goal;
+use longstep::domain::Domain as LoadedDomain;
+use longstep::report::Answer as Report;
+use longstep_core::execution::Aim;
+use longstep_core::plan::{PlanFile, Written, outline, write_tree};
+use longstep_core::repair::Edit;
+use longstep_core::verify::{Purpose, VerifiedPlan};
+use longstep_core::{pddl, search};
+use longstep_picture::plan::Annotations;
+use pyo3::prelude::*;
+use sha2::{Digest, Sha256};
+
+use crate::failure::Failure;
+use crate::json;
+use crate::picture;
+use crate::step::Step;
+use crate::world::World;
+
+/// Bytes of a plan's hash that are written, as a server writes it.
+const HASH: usize = 16;
+
+/// A plan that was simulated from its first step to its last without a violation. Immutable; it cannot be constructed, but
+/// comes from an answer or a session.
+#[pyclass(frozen, module = "longstep", sequence)]
+pub(crate) struct Plan {
+    pub(crate) plan: VerifiedPlan,
+    domain: Arc<LoadedDomain>,
+    file: PlanFile,
+    /// The goal, with identifiers of the environment.
+    goal: Vec<String>,
+    annotations: Annotations,
+}
+
+#[pymethods]
+impl Plan {
+    /// The steps with all arguments, in reading order.
+    #[getter]
+    fn steps(&self) -> Vec<Step> {
+        let report = Report::of_report(self.plan.world(), self.plan.report(), None, "");
+        report.steps.into_iter().map(Step::from).collect()
+    }
+
+    /// The lines of the plan with its branches, loops and lanes, indented.
+    #[getter]
+    fn outline(&self) -> Vec<String> {
+        let lines = outline(self.plan.world(), self.plan.plan()).into_iter();
+        let line = |depth: usize, text: &str| format!("{}{text}", "  ".repeat(depth));
+        lines
+            .map(|own| match own.step {
+                Some(_) => line(own.depth, &format!("{}  {}", own.text, own.explanation)),
+                None => line(own.depth, &own.text),
+            })
+            .collect()
+    }
+
+    /// The goal, with identifiers of the environment; empty for a plan without one.
+    #[getter]
+    fn goal(&self) -> Vec<String> {
+        self.goal.clone()
+    }
+
+    /// The hash of the steps with all arguments, of the world before them with its rules, and of the goal: the one that an
+    /// approval on a server names.
+    #[getter]
+    fn hash(&self) -> String {
+        let world = self.plan.world();
+        let rules: Vec<&str> = world.prohibitions().iter().map(|rule| rule.written.as_str()).collect();
+        let tree = write_tree(&Written::of_plan(world, self.plan.plan()));
+        let content = serde_json::json!([world.environment(), rules, self.goal, tree]);
+        let digest = Sha256::digest(content.to_string());
+        digest[..HASH].iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// The world before the plan.
+    #[getter]
+    fn world(&self) -> World {
+        self.world_of(self.plan.world().clone())
+    }
+
+    /// The worlds after the plan: one for each way in which sensing lets it end.
+    #[getter]
+    fn endings(&self) -> Vec<World> {
+        let endings = self.plan.endings().iter();
+        endings
+            .map(|ending| self.world_of(self.plan.world().after(ending)))
+            .collect()
+    }
+
+    /// Returns the plan as JSON, as `longstep plan --save` writes it; `longstep run` reads it.
+    pub(crate) fn json(&self) -> PyResult<String> {
+        let file = self.file.clone().of_domain(&self.domain);
+        let text = serde_json::to_string_pretty(&file).map_err(|error| Failure::failed(error.to_string()))?;
+        Ok(text)
+    }
+
+    /// Returns the plan as a dict.
+    fn dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        json::parse(py, &self.json()?)
+    }
+
+    /// Returns the steps in PDDL, one `(action argument ...)` a line.
+    fn pddl(&self) -> String {
+        pddl::write_plan(self.plan.world(), self.plan.steps())
+    }
+
+    /// Returns a picture of the steps with their reasons; the width is in pixels.
+    #[pyo3(signature = (*, width=720.0))]
+    fn svg(&self, py: Python<'_>, width: f64) -> String {
+        self.svg_of_width(py, width)
+    }
+
+    fn _repr_svg_(&self, py: Python<'_>) -> String {
+        self.svg(py, picture::WIDTH)
+    }
+
+    fn __len__(&self) -> usize {
+        self.plan.steps().len()
+    }
+
+    fn __str__(&self) -> String {
+        self.outline().join("\n")
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<longstep.Plan {}: {} steps>",
+            self.domain.name,
+            self.plan.steps().len()
+        )
+    }
+}
+
+impl Plan {
+    pub(crate) fn new(domain: &Arc<LoadedDomain>, plan: VerifiedPlan, file: PlanFile) -> Self {
+        Self {
+            plan,
+            domain: Arc::clone(domain),
+            file,
+            goal: Vec::new(),
+            annotations: Annotations::default(),
+        }
+    }
+
+    /// Sets the goal for which the plan was made.
+    pub(crate) fn for_goal(self, goal: Option<&Goal>) -> Self {
+        let Some(goal) = goal else { return self };
+        let world = self.plan.world().clone();
+        Self {
+            goal: goal.exact(&world),
+            annotations: self.annotations.with_goal(&world, goal),
+            ..self
+        }
+    }
+
+    /// Sets conditions that hold at the end: the goal of a PDDL problem.
+    pub(crate) fn wanting(self, wanted: &[search::Wanted]) -> Self {
+        let purpose = Purpose {
+            wanted: wanted.to_vec(),
+            ..Purpose::default()
+        };
+        Self {
+            annotations: self.annotations.with_purpose(purpose),
+            ..self
+        }
+    }
+
+    /// Sets the edits of the repair that the plan comes from.
+    pub(crate) fn with_edits(self, edits: &[Edit]) -> Self {
+        Self {
+            annotations: self.annotations.with_edits(edits),
+            ..self
+        }
+    }
+
+    /// Returns what an execution pursues when the world changes.
+    pub(crate) fn aim(&self) -> Aim {
+        Aim::from((!self.goal.is_empty()).then(|| self.goal.join(" & ")))
+    }
+
+    pub(crate) fn world_of(&self, world: longstep_core::environment::World) -> World {
+        World {
+            world,
+            domain: Arc::clone(&self.domain),
+        }
+    }
+
+    pub(crate) fn domain(&self) -> &Arc<LoadedDomain> {
+        &self.domain
+    }
+
+    /// Returns the name with which the domain of the plan is loaded again.
+    pub(crate) fn origin(&self) -> &str {
+        &self.domain.origin
+    }
+
+    pub(crate) fn svg_of_width(&self, py: Python<'_>, width: f64) -> String {
+        py.detach(|| picture::plan(&self.plan, &self.annotations, width))
+    }
+}

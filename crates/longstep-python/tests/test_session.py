@@ -1,0 +1,138 @@
+"""Sessions with a function as the model."""
+
+from __future__ import annotations
+
+import json
+import threading
+import unittest
+from typing import Any, cast
+
+import longstep
+from scenes import desk, reply
+
+
+class Sessions(unittest.TestCase):
+    def test_a_request_is_one_for_chat_completions(self) -> None:
+        seen: list[longstep.Request] = []
+
+        def model(request: longstep.Request) -> str:
+            seen.append(request)
+            return reply("put(pen, shelf)")
+
+        session = longstep.Session(desk(), model, temperature=0.5)
+        answer = session.instruct("The pen belongs on the shelf")
+        request = seen[0]
+        self.assertEqual(set(request), {"messages", "temperature", "max_tokens", "response_format"})
+        self.assertEqual(request["messages"][0]["role"], "system")
+        self.assertIn("The pen belongs on the shelf", request["messages"][-1]["content"])
+        self.assertEqual(request["temperature"], 0.5)
+        self.assertIn("goal", request["response_format"]["json_schema"]["schema"]["properties"])
+        self.assertEqual((answer.status, session.status), ("verified", "plan"))
+
+    def test_the_world_is_carried_on(self) -> None:
+        goals = iter(["put(pen, shelf)", "put(pen, desk)"])
+        session = longstep.Session(desk(), lambda _: reply(next(goals)))
+        session.instruct("The pen belongs on the shelf")
+        self.assertEqual(session.accept().goal, ["put(<pen>, <shelf>)"])
+        self.assertEqual(session.world.environment()["object_states"]["<pen>"], "on_something(<shelf>)")
+        plan = session.instruct("Now back to the desk, please, the pen").verified()
+        self.assertEqual(plan.world, session.world)
+        session.accept()
+        self.assertEqual([len(own) for own in session.accepted], [6, 6])
+        self.assertEqual(session.undo(), 1)
+        self.assertEqual(session.world.environment()["object_states"]["<pen>"], "on_something(<shelf>)")
+
+    def test_a_question_is_answered(self) -> None:
+        replies = iter([reply(question="Which one?"), reply("put(pen, shelf)")])
+        session = longstep.Session(desk(), lambda _: next(replies))
+        asked = session.instruct("Put it on the shelf")
+        self.assertEqual((asked.status, asked.question, session.status), ("question", "Which one?", "question"))
+        with self.assertRaises(longstep.Question):
+            asked.verified()
+        self.assertEqual(len(session.answer("the pen").verified()), 6)
+
+    def test_words_out_of_turn_change_nothing(self) -> None:
+        session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"))
+        for call in (session.accept, session.undo, session.cancel, lambda: session.answer("yes")):
+            with self.assertRaises(longstep.LongstepError):
+                cast(Any, call)()
+        for empty in ("", "  \n"):
+            with self.assertRaises(longstep.Unreadable):
+                session.instruct(empty)
+        self.assertEqual(session.status, "ready")
+
+    def test_rules_bind_later_plans(self) -> None:
+        session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"))
+        session.add_rule("untouched(pen)")
+        self.assertEqual(session.rules, ["untouched(<pen>)"])
+        self.assertEqual(session.instruct("The pen belongs on the shelf").status, "unsolvable")
+        session.cancel()
+        self.assertEqual(session.lift_rule(0), "untouched(<pen>)")
+        self.assertEqual(session.instruct("The pen belongs on the shelf").status, "verified")
+
+    def test_an_exception_of_the_model_comes_out_as_itself(self) -> None:
+        class Broken(Exception):
+            pass
+
+        error = Broken("no power")
+        fails = True
+
+        def model(_: longstep.Request) -> str:
+            if fails:
+                raise error
+            return reply("put(pen, shelf)")
+
+        session = longstep.Session(desk(), model)
+        with self.assertRaises(Broken) as raised:
+            session.instruct("The pen belongs on the shelf")
+        self.assertIs(raised.exception, error)
+        fails = False
+        self.assertEqual(session.instruct("The pen belongs on the shelf").status, "verified")
+
+    def test_a_reply_that_is_no_text_is_a_type_error(self) -> None:
+        session = longstep.Session(desk(), cast(Any, lambda _: {"goal": "put(pen, shelf)"}))
+        with self.assertRaises(TypeError):
+            session.instruct("The pen belongs on the shelf")
+
+    def test_a_model_that_uses_its_session_gets_an_error_and_no_deadlock(self) -> None:
+        def model(_: longstep.Request) -> str:
+            session.instruct("Again")
+            return reply("put(pen, shelf)")
+
+        session = longstep.Session(desk(), model)
+        with self.assertRaisesRegex(longstep.LongstepError, "at work"):
+            session.instruct("The pen belongs on the shelf")
+
+    def test_a_second_thread_gets_an_error_while_the_model_works(self) -> None:
+        working, go_on = threading.Event(), threading.Event()
+
+        def model(_: longstep.Request) -> str:
+            working.set()
+            self.assertTrue(go_on.wait(60))
+            return reply("put(pen, shelf)")
+
+        session = longstep.Session(desk(), model)
+        answers: list[longstep.Answer] = []
+        thread = threading.Thread(target=lambda: answers.append(session.instruct("The pen belongs on the shelf")))
+        thread.start()
+        self.assertTrue(working.wait(60))
+        with self.assertRaisesRegex(longstep.LongstepError, "at work"):
+            session.instruct("Something else")
+        go_on.set()
+        thread.join()
+        self.assertEqual(answers[0].status, "verified")
+
+    def test_the_log_has_every_event(self) -> None:
+        session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"), name="scripted")
+        session.instruct("The pen belongs on the shelf")
+        first = session.log()
+        session.accept()
+        lines = [json.loads(line) for line in session.log().splitlines()]
+        self.assertTrue(session.log().startswith(first))
+        events = [line["event"] for line in lines]
+        self.assertEqual(events[0], "begin")
+        self.assertIn("accept", events)
+
+
+if __name__ == "__main__":
+    unittest.main()
