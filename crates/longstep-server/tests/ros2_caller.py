@@ -3,7 +3,7 @@
     {"do": "ask", "kind": "say", "request": {...}}      publishes a request, waits for its response
     {"do": "call", "kind": "say", "request": {...}}     the same through a service
     {"do": "see", "topic": "plan", "with": {...}}       waits for a message with these fields
-    {"do": "late", "topic": "plan"}                     a subscriber that comes late: the first message that it gets
+    {"do": "late", "topic": "plan", "with": {...}}      a subscriber that comes late waits for a message with these fields
     {"do": "count", "topic": "progress"}                the number of messages until now
 """
 
@@ -81,12 +81,13 @@ class Caller:
             return {"timeout": True}
         return json.loads(future.result().response)
 
-    def late(self, topic):
+    def late(self, topic, fields):
+        # A bridge may keep more than the last message; then the earlier ones come first.
         messages = []
         subscription = self.node.create_subscription(String, f"{self.namespace}/{topic}", self.keeper(messages), LATCHED)
-        first = self.wait(lambda: messages[0] if messages else None)
+        found = self.wait(lambda: next((own for own in messages if all(own.get(k) == v for k, v in fields.items())), None))
         self.node.destroy_subscription(subscription)
-        return first
+        return found
 
     def do(self, command):
         match command["do"]:
@@ -97,7 +98,7 @@ class Caller:
             case "see":
                 return self.see(command["topic"], command["with"])
             case "late":
-                return self.late(command["topic"])
+                return self.late(command["topic"], command["with"])
             case "count":
                 return {"count": len(self.seen[command["topic"]])}
 
