@@ -86,10 +86,16 @@ fn a_behavior_tree_comes_back_the_same() {
         let path = path.to_str().unwrap();
         let arguments = [&["export", path, "--format", "bt"], guards, &WORLD[..]].concat();
         assert_eq!(longstep(&arguments).1, tree);
-        assert_eq!(read(&export(path, "json", &folder)).lines().count(), read(&json).lines().count());
+        assert_eq!(
+            read(&export(path, "json", &folder)).lines().count(),
+            read(&json).lines().count()
+        );
     }
     let (code, _, stderr) = longstep(&[&["export", SCRIPT, "--format", "dot", "--guards"], &WORLD[..]].concat());
-    assert!(code == 30 && stderr.contains("`--guards` is for behavior trees"), "{stderr}");
+    assert!(
+        code == 30 && stderr.contains("`--guards` is for behavior trees"),
+        "{stderr}"
+    );
 }
 
 #[test]
@@ -107,7 +113,11 @@ fn a_plan_is_a_picture_a_flowchart_and_pddl() {
     assert!(code == 30 && stderr.contains("has no form in PDDL"), "{stderr}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("plan.py");
-    std::fs::write(&path, "# objects: [\"<yoghurt>\"]\nmove_hand()\ngrasp_object()\nrelease_object()\n").unwrap();
+    std::fs::write(
+        &path,
+        "# objects: [\"<yoghurt>\"]\nmove_hand()\ngrasp_object()\nrelease_object()\n",
+    )
+    .unwrap();
     let arguments = [&["export", path.to_str().unwrap(), "--format", "pddl"], &WORLD[..]].concat();
     let (code, text, stderr) = longstep(&arguments);
     assert_eq!((code, stderr.as_str()), (0, ""), "{text}");

@@ -231,8 +231,8 @@ fn plans_in_the_notations_of_others_are_verified_and_repaired() {
         (
             "tree.xml",
             "<root BTCPP_format=\"4\"><BehaviorTree ID=\"Main\"><Open thing=\"cabinet_7\"/></BehaviorTree></root>",
-            0,
-            "",
+            10,
+            "Open(<cabinet_7>) needs that the cabinet is within reach",
         ),
         (
             "prose.txt",

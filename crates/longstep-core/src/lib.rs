@@ -15,6 +15,8 @@ pub use longstep_model::{call, diagnostic, domain, effort, environment, geometry
 #[cfg(feature = "testing")]
 pub use longstep_search::testing;
 pub use longstep_search::{goal, pddl, repair, schedule, search};
+#[cfg(feature = "testing")]
+pub use longstep_verify::tree_peer;
 pub use longstep_verify::{cursor, message, plan, skill, verify};
 
 pub mod autonomy;

@@ -5,10 +5,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use longstep_core::plan::behavior_tree::peer::{End, Peer, Trouble};
 use longstep_core::plan::behavior_tree::{Guards, write};
 use longstep_core::plan::read;
 use longstep_core::search::{Limits, Outcome, solve};
+use longstep_core::tree_peer::{End, Peer, Trouble};
 use longstep_core::verify::{VerifiedPlan, check, check_file};
 use longstep_eval::suite::{self, Suite};
 

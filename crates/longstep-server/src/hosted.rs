@@ -358,8 +358,12 @@ impl Hosted {
 
     /// Marks that a model is to work for the session; false if one does already.
     pub(crate) fn begin_thinking(&self) -> bool {
-        self.stop.set(false);
-        !self.is_thinking.swap(true, Ordering::SeqCst)
+        let has_begun = !self.is_thinking.swap(true, Ordering::SeqCst);
+        // Somebody may just have stopped the one that works.
+        if has_begun {
+            self.stop.set(false);
+        }
+        has_begun
     }
 
     /// Marks that no model works for the session any more.

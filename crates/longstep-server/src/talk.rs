@@ -1,6 +1,7 @@
 //! Requests of a person to a session.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use longstep::session::{Response, Session};
 
@@ -10,6 +11,9 @@ use crate::hub::{Hub, checked_text};
 use crate::id::SessionId;
 use crate::problem::Problem;
 use crate::view::{Snapshot, proposal_hash};
+
+/// The longest time in which a model that has shown its result leaves a session.
+const LEAVING: Duration = Duration::from_secs(2);
 
 /// A request of a person that a model may have to answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -90,6 +94,20 @@ impl Drop for Waiting {
     }
 }
 
+/// Marks that a model is to work for a session; false if one does already. One that has shown its result leaves in a moment,
+/// which is waited for: whoever sees a plan may go on.
+fn begin_thinking(held: &Held) -> bool {
+    let began = Instant::now();
+    while !held.begin_thinking() {
+        let is_at_work = held.look(|session| matches!(session.response(), Response::Waiting));
+        if is_at_work || began.elapsed() > LEAVING {
+            return false;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    true
+}
+
 impl Hub {
     /// Tells a session something; a model then works for it. Drop what is returned, and the work is cancelled.
     ///
@@ -119,7 +137,7 @@ impl Hub {
     /// Lets the model work for a session after a change.
     fn think(&self, held: &Held, change: impl FnOnce(&mut Session) -> Result<(), Problem>) -> Result<(), Problem> {
         let models = self.models_or_problem()?;
-        if !held.begin_thinking() {
+        if !begin_thinking(held) {
             return Err(Problem::conflict("a model works for this session already")
                 .hint("wait for it, or cancel the instruction"));
         }

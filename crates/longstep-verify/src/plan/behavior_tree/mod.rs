@@ -26,15 +26,16 @@ mod condition;
 mod element;
 mod guard;
 mod name;
-#[cfg(any(test, feature = "testing"))]
-pub mod peer;
 mod read;
 mod read_condition;
 #[cfg(test)]
 mod tests;
 mod write;
 
-pub(super) use name::{IS, outcomes};
+pub(super) use name::IS;
+pub(crate) use name::outcomes;
+#[cfg(any(test, feature = "testing"))]
+pub(crate) use name::{LeafNames, port};
 pub(super) use read::{find, read};
 pub use write::{Guards, WriteError, write};
 

@@ -92,13 +92,13 @@ fn begins_well(name: &str) -> bool {
 }
 
 /// The names of the leaves of a domain, each different from the others.
-pub(super) struct LeafNames {
+pub(crate) struct LeafNames {
     actions: Vec<String>,
     predicates: Vec<String>,
 }
 
 impl LeafNames {
-    pub(super) fn of(domain: &Domain) -> Self {
+    pub(crate) fn of(domain: &Domain) -> Self {
         let mut taken: Vec<String> = Vec::new();
         let mut free = |mut name: String, tail: &str| {
             while is_built_in(&name) || !begins_well(&name) || taken.contains(&name) {
@@ -125,17 +125,17 @@ impl LeafNames {
         Self { actions, predicates }
     }
 
-    pub(super) fn action(&self, action: ActionId) -> &str {
+    pub(crate) fn action(&self, action: ActionId) -> &str {
         &self.actions[action.index()]
     }
 
-    pub(super) fn predicate(&self, predicate: PredicateId) -> &str {
+    pub(crate) fn predicate(&self, predicate: PredicateId) -> &str {
         &self.predicates[predicate.index()]
     }
 }
 
 /// Returns the port of a parameter.
-pub(super) fn port(parameter: &str) -> String {
+pub(crate) fn port(parameter: &str) -> String {
     let plain = plain(parameter);
     let is_reserved = matches!(&*plain, "name" | "ID" | OUTCOME) || plain.starts_with(ARGUMENT);
     let has_letter = plain.starts_with(|first: char| first.is_alphabetic());
@@ -153,7 +153,7 @@ pub(super) fn parameter(port: &str) -> &str {
 
 /// Returns the words for the outcomes of a sensing step: the name of the predicate if it tells them apart, else with its
 /// arguments.
-pub(in crate::plan) fn outcomes(world: &World, action: &Action, facts: &[Fact]) -> Vec<String> {
+pub(crate) fn outcomes(world: &World, action: &Action, facts: &[Fact]) -> Vec<String> {
     let domain = world.domain();
     let predicate = |atom: &Atom| plain(&predicate_word(&domain.predicate(atom.predicate).name)).into_owned();
     let mut words: Vec<String> = action.senses.iter().map(predicate).collect();

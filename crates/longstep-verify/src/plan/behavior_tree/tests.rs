@@ -1,9 +1,9 @@
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 
-use super::peer::{End, Peer, Trouble};
 use super::{Guards, WriteError, write};
 use crate::plan::{Node, Plan, Test, Unreadable, read, resolve};
+use crate::tree_peer::{End, Peer, Trouble};
 use crate::verify::tests::bench::{Guard, Part, does, domain, not, plan, world};
 use crate::verify::tests::enumerated::{lane, parts};
 use crate::verify::{Purpose, VerifiedPlan, bind_tree, check};

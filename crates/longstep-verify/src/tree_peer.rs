@@ -6,9 +6,9 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use super::name::{LeafNames, outcomes, port};
 use crate::cursor::Cursor;
 use crate::plan::StepId;
+use crate::plan::behavior_tree::{LeafNames, outcomes, port};
 use crate::verify::VerifiedPlan;
 use longstep_model::model::{EntityId, Fact, PredicateId, World, unmet};
 
