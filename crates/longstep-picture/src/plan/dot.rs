@@ -65,7 +65,7 @@ fn shape(number: usize, shown: &Shown, indent: &str, text: &mut String) {
     let form = match shown.shape {
         Shape::Step => "",
         Shape::Terminal => ", shape=oval",
-        Shape::Sensing => ", shape=parallelogram, style=\"\"",
+        Shape::Sensing => ", style=\"rounded,dashed\"",
         Shape::Question => ", shape=diamond, style=\"\"",
         Shape::Bar => ", shape=box, style=filled, fillcolor=gray90, height=0.2",
         Shape::Remark => ", shape=note, style=\"\"",
@@ -90,4 +90,21 @@ fn quoted(text: &str) -> String {
     }
     quoted.push('"');
     quoted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_mean_nothing_to_graphviz() {
+        for (text, expected) in [
+            ("say \"end\"]", "\"say \\\"end\\\"]\""),
+            ("a\\N\nb", "\"a\\\\N\\nb\""),
+            ("&lt;<b>", "\"&amp;lt;<b>\""),
+            ("a\u{7}\u{202e}", "\"a\u{fffd}\u{fffd}\""),
+        ] {
+            assert_eq!(quoted(text), expected);
+        }
+    }
 }

@@ -59,7 +59,7 @@ fn shape(number: usize, shown: &Shown, indent: &str, text: &mut String) {
     let (open, close) = match shown.shape {
         Shape::Terminal => ("([", "])"),
         Shape::Step => ("[", "]"),
-        Shape::Sensing => ("[/", "/]"),
+        Shape::Sensing => ("(", ")"),
         Shape::Question => ("{", "}"),
         Shape::Bar => ("[[", "]]"),
         Shape::Remark => (">", "]"),
@@ -89,4 +89,23 @@ fn escaped(text: &str) -> String {
         }
     }
     escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_mean_nothing_to_mermaid() {
+        for (text, expected) in [
+            ("1. take the pen", "1#46; take the pen"),
+            ("take 1.5 of it", "take 1.5 of it"),
+            ("say \"end\"]", "say #34;end#34;#93;"),
+            ("<b>`*x*`#1;", "#60;b#62;#96;#42;x#42;#96;#35;1#59;"),
+            ("ключ \u{1f600}", "ключ #128512;"),
+            ("a\nb\u{202e}", "a\u{fffd}b\u{fffd}"),
+        ] {
+            assert_eq!(escaped(text), expected);
+        }
+    }
 }

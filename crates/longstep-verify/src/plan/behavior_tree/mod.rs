@@ -2,7 +2,7 @@
 //!
 //! Each step is a leaf with a port for every parameter. A step that fails makes the tree fail, also in loops and lanes. A
 //! sensing step writes its outcome to the blackboard, where conditions read it; a fact in a condition is a condition leaf.
-//! `TreeNodesModel` lists all leaves, as Groot2 needs it. [`read`] reads such trees, and those that people write with the
+//! `TreeNodesModel` lists all leaves, as Groot2 needs it. [`read`](super::read()) reads such trees, and those that people write with the
 //! nodes that a plan can have.
 //!
 //! ```
