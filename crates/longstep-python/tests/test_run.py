@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import _thread
 import json
+import signal
 import subprocess
 import sys
 import tempfile
@@ -100,6 +101,10 @@ class Runs(unittest.TestCase):
         self.assertEqual((robot.calls, robot.stops), ([], 1))
 
     def test_ctrl_c_in_a_step_stops_the_robot(self) -> None:
+        # Ctrl-C is ignored by what a shell starts in the background.
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        self.addCleanup(signal.signal, signal.SIGINT, before)
+
         class Slow(Recorder):
             def perform(self, action: str, /, *arguments: str) -> None:
                 super().perform(action, *arguments)
@@ -114,6 +119,7 @@ class Runs(unittest.TestCase):
     def test_ctrl_c_in_an_observation_stops_the_robot(self) -> None:
         program = """
 import signal, longstep, scenes
+signal.signal(signal.SIGINT, signal.default_int_handler)
 world = scenes.desk()
 class Own(scenes.Recorder):
     def observe(self):
