@@ -36,19 +36,17 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
         }
         return Ok(exit_code::of_status(answer.status));
     };
-    match arguments.format {
-        PlanFormat::Json => output::json(&answer.plan.clone().of_domain(draft.world.domain()))?,
-        _ => output::document(&written(arguments, &draft, &verified, &answer)?),
-    }
+    write(arguments, &draft, &verified, &answer)?;
     Ok(exit_code::of_status(answer.status))
 }
 
-/// Writes a plan in a format other than JSON.
-fn written(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, answer: &Answer) -> Result<String> {
+/// Prints a plan in the format that is wanted.
+fn write(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, answer: &Answer) -> Result<()> {
     let world = &draft.world;
     let diagram = || Diagram::of(verified, &draft.annotations());
-    Ok(match arguments.format {
-        PlanFormat::Python | PlanFormat::Json => script::write(&Written::of_plan(world, verified.plan())),
+    let text = match arguments.format {
+        PlanFormat::Json => return output::json(&answer.plan.clone().of_domain(world.domain())),
+        PlanFormat::Python => script::write(&Written::of_plan(world, verified.plan())),
         PlanFormat::Bt => {
             let guards = if arguments.guards {
                 Guards::Preconditions
@@ -76,5 +74,7 @@ fn written(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, 
             let options = SvgOptions::new(f64::from(arguments.width)).with_title(&answer.plan.instruction_summary);
             svg(&diagram(), &options)
         }
-    })
+    };
+    output::document(&text);
+    Ok(())
 }

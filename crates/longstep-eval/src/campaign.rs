@@ -171,7 +171,7 @@ impl Campaign<'_> {
     }
 }
 
-/// What the workers of one program share.
+/// The state that the workers of one program share.
 struct Work<'a, Q> {
     campaign: &'a Campaign<'a>,
     units: &'a [Unit<'a>],

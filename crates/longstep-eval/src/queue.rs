@@ -71,7 +71,7 @@ struct Units {
     elsewhere: BTreeSet<usize>,
 }
 
-/// What to do next.
+/// The next deed of a worker.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Next {
     /// Ask for this unit.

@@ -24,7 +24,7 @@ pub struct Peer {
     folder: PathBuf,
 }
 
-/// What happens in a run besides what the plan says.
+/// An event of a run that its plan does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trouble {
     /// Nothing.

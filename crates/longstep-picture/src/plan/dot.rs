@@ -23,25 +23,17 @@ pub fn dot(diagram: &Diagram) -> String {
         "digraph plan {\n  node [fontname=\"Helvetica\", fontsize=11, shape=box, style=rounded];\n  \
          edge [fontname=\"Helvetica\", fontsize=10];\n",
     );
-    for (number, shown) in chart
-        .shapes
-        .iter()
-        .enumerate()
-        .filter(|(_, shown)| shown.lane.is_none())
-    {
-        shape(number, shown, "  ", &mut text);
-    }
-    for (lane, name) in chart.lanes.iter().enumerate() {
-        let _ = writeln!(text, "  subgraph cluster_{lane} {{\n    label={};", quoted(name));
-        for (number, shown) in chart
-            .shapes
-            .iter()
-            .enumerate()
-            .filter(|(_, shown)| shown.lane == Some(lane))
-        {
-            shape(number, shown, "    ", &mut text);
+    for (lane, shapes) in chart.groups() {
+        let indent = if let Some((lane, name)) = lane {
+            let _ = writeln!(text, "  subgraph cluster_{lane} {{\n    label={};", quoted(name));
+            "    "
+        } else {
+            "  "
+        };
+        shapes.for_each(|(number, shown)| shape(number, shown, indent, &mut text));
+        if lane.is_some() {
+            text.push_str("  }\n");
         }
-        text.push_str("  }\n");
     }
     for arrow in &chart.arrows {
         let mut attributes = Vec::new();

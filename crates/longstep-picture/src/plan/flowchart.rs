@@ -65,6 +65,22 @@ impl Flowchart {
         chart
     }
 
+    /// Returns the shapes outside of lanes with their numbers, and then those of each lane with its number and name.
+    pub(super) fn groups(
+        &self,
+    ) -> impl Iterator<Item = (Option<(usize, &str)>, impl Iterator<Item = (usize, &Shown)>)> {
+        let lanes = self
+            .lanes
+            .iter()
+            .enumerate()
+            .map(|(lane, name)| Some((lane, name.as_str())));
+        std::iter::once(None).chain(lanes).map(|group: Option<(usize, &str)>| {
+            let lane = group.map(|(lane, _)| lane);
+            let shapes = self.shapes.iter().enumerate();
+            (group, shapes.filter(move |(_, shown)| shown.lane == lane))
+        })
+    }
+
     fn shape(&mut self, shape: Shape, lines: Vec<String>, lane: Option<usize>) -> usize {
         self.shapes.push(Shown { shape, lines, lane });
         self.shapes.len() - 1
@@ -197,7 +213,7 @@ impl Flowchart {
     }
 }
 
-/// What a diagram says of a step.
+/// The statements of a diagram about a step.
 fn lines(step: &StepNode) -> Vec<String> {
     let mut lines = vec![format!("{}. {}", step.number, step.text)];
     lines.extend(step.lane.as_ref().map(|lane| format!("by {lane}")));

@@ -24,25 +24,17 @@ use super::flowchart::{Flowchart, Shape, Shown};
 pub fn mermaid(diagram: &Diagram) -> String {
     let chart = Flowchart::of(diagram);
     let mut text = String::from("flowchart TD\n");
-    for (number, shown) in chart
-        .shapes
-        .iter()
-        .enumerate()
-        .filter(|(_, shown)| shown.lane.is_none())
-    {
-        shape(number, shown, "  ", &mut text);
-    }
-    for (lane, name) in chart.lanes.iter().enumerate() {
-        let _ = writeln!(text, "  subgraph lane{lane}[\"{}\"]", escaped(name));
-        for (number, shown) in chart
-            .shapes
-            .iter()
-            .enumerate()
-            .filter(|(_, shown)| shown.lane == Some(lane))
-        {
-            shape(number, shown, "    ", &mut text);
+    for (lane, shapes) in chart.groups() {
+        let indent = if let Some((lane, name)) = lane {
+            let _ = writeln!(text, "  subgraph lane{lane}[\"{}\"]", escaped(name));
+            "    "
+        } else {
+            "  "
+        };
+        shapes.for_each(|(number, shown)| shape(number, shown, indent, &mut text));
+        if lane.is_some() {
+            text.push_str("  end\n");
         }
-        text.push_str("  end\n");
     }
     for arrow in &chart.arrows {
         let line = if arrow.is_remark { "-.-" } else { "-->" };

@@ -26,11 +26,14 @@ mod condition;
 mod element;
 mod guard;
 mod name;
+mod part;
 mod read;
 mod read_condition;
+mod read_lanes;
 #[cfg(test)]
 mod tests;
 mod write;
+mod xml;
 
 pub(super) use name::IS;
 pub(crate) use name::outcomes;

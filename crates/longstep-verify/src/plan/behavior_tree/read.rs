@@ -5,11 +5,10 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::{Document, Node as Xml, ParsingOptions};
 
 use super::name::{is_built_in, parameter};
-use super::read_condition::Flags;
-use super::{ACTOR, CALL, GUARD, MAIN, OUTCOME, SYNC};
-use crate::plan::StepId;
-use crate::plan::tree::{Lane, LaneItem, Node, Test};
-use crate::plan::written::{Written, WrittenNode, WrittenStep};
+use super::part::{Flags, Part, number};
+use super::xml::{Fault, Scope, blackboard, blank_free, children, code, fault, no_conditions, only_child, text_of};
+use super::{CALL, GUARD, MAIN, OUTCOME, SYNC};
+use crate::plan::written::{Written, WrittenStep};
 use longstep_model::call::Call;
 
 /// The most nodes after the subtrees were put in.
@@ -18,43 +17,11 @@ const MOST: usize = 100_000;
 /// The deepest tree that BehaviorTree.CPP reads.
 const DEEPEST: usize = 256;
 
-/// An error in a behavior tree, at a byte of the text.
-#[derive(Debug)]
-pub(in crate::plan) struct Fault {
-    pub(in crate::plan) at: usize,
-    pub(in crate::plan) message: String,
-    pub(in crate::plan) hint: String,
-}
-
-pub(super) fn fault<T>(node: Xml<'_, '_>, message: impl Into<String>, hint: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault {
-        at: node.range().start,
-        message: message.into(),
-        hint: hint.into(),
-    })
-}
-
 /// A plan that a behavior tree is.
 pub(in crate::plan) struct Found {
     pub(in crate::plan) written: Written,
     /// The first condition before a step that was ignored: the verifier knows the preconditions.
     pub(in crate::plan) check: Option<usize>,
-}
-
-/// A node of the plan; the steps have no numbers yet.
-pub(super) enum Part {
-    Step(WrittenStep),
-    If(Test<WrittenStep>, Vec<Part>, Vec<Part>),
-    While(Test<WrittenStep>, Vec<Part>),
-    Repeat(u32, Vec<Part>),
-    Parallel(Vec<(String, Vec<LanePart>)>),
-    Remark(String),
-}
-
-pub(super) enum LanePart {
-    Step(WrittenStep),
-    Sync(String),
-    Remark(String),
 }
 
 /// Returns the part of a text that is a behavior tree; none if nothing in it is meant as one.
@@ -137,54 +104,6 @@ fn only_tree<'d, 'x>(root: Xml<'d, 'x>) -> Option<Xml<'d, 'x>> {
     let first = trees.next()?;
     trees.next().is_none().then_some(first)
 }
-
-/// Numbers the steps in reading order.
-fn number(parts: Vec<Part>, steps: &mut Vec<WrittenStep>) -> Vec<WrittenNode> {
-    let add = |step: WrittenStep, steps: &mut Vec<WrittenStep>| {
-        steps.push(step);
-        StepId::new(steps.len() - 1)
-    };
-    let mut nodes = Vec::with_capacity(parts.len());
-    for part in parts {
-        nodes.push(match part {
-            Part::Step(step) => Node::Step(add(step, steps)),
-            Part::Remark(text) => Node::Remark(text),
-            Part::Repeat(times, body) => Node::Repeat {
-                times,
-                body: number(body, steps),
-            },
-            Part::While(condition, body) => Node::While {
-                condition,
-                body: number(body, steps),
-            },
-            Part::If(condition, then, otherwise) => Node::If {
-                condition,
-                then: number(then, steps),
-                otherwise: number(otherwise, steps),
-            },
-            Part::Parallel(lanes) => Node::Parallel {
-                lanes: lanes
-                    .into_iter()
-                    .map(|(actor, items)| Lane {
-                        actor,
-                        items: items
-                            .into_iter()
-                            .map(|item| match item {
-                                LanePart::Step(step) => LaneItem::Step(add(step, steps)),
-                                LanePart::Sync(name) => LaneItem::Sync(name),
-                                LanePart::Remark(text) => LaneItem::Remark(text),
-                            })
-                            .collect(),
-                    })
-                    .collect(),
-            },
-        });
-    }
-    nodes
-}
-
-/// The texts that a subtree gets for its ports.
-pub(super) type Scope = HashMap<String, String>;
 
 /// A sensing step whose outcome was not asked yet, and the entry of the blackboard with it.
 pub(super) struct Sensed {
@@ -342,7 +261,7 @@ impl<'d, 'x: 'd> Reader<'d, 'x> {
     }
 
     /// Reads nodes whose last sensing step is a step of its own.
-    fn settled(&mut self, nodes: &[Xml<'d, 'x>], scope: &Scope) -> Result<Vec<Part>, Fault> {
+    pub(super) fn settled(&mut self, nodes: &[Xml<'d, 'x>], scope: &Scope) -> Result<Vec<Part>, Fault> {
         let flags = self.flags.clone();
         let mut parts = self.list(nodes, scope)?;
         self.flush(&mut parts);
@@ -434,87 +353,6 @@ impl<'d, 'x: 'd> Reader<'d, 'x> {
         let body = self.settled(&children(body), scope)?;
         parts.push(Part::While(condition, body));
         Ok(Some(behind))
-    }
-
-    /// Reads lanes, and the nodes behind them that go on with the same lanes.
-    fn parallel<'n>(
-        &mut self,
-        node: Xml<'d, 'x>,
-        mut behind: &'n [Xml<'d, 'x>],
-        scope: &Scope,
-        parts: &mut Vec<Part>,
-    ) -> Result<&'n [Xml<'d, 'x>], Fault> {
-        let mut lanes: Vec<(String, Vec<LanePart>)> = Vec::new();
-        self.lanes(node, &mut lanes, scope)?;
-        while let [next, rest @ ..] = behind
-            && next.has_tag_name("Parallel")
-            && let Some(name) = next.attribute(SYNC)
-        {
-            lanes
-                .iter_mut()
-                .for_each(|(_, items)| items.push(LanePart::Sync(name.to_owned())));
-            self.lanes(*next, &mut lanes, scope)?;
-            behind = rest;
-        }
-        self.flags.clear();
-        parts.push(Part::Parallel(lanes));
-        Ok(behind)
-    }
-
-    fn lanes(
-        &mut self,
-        node: Xml<'d, 'x>,
-        lanes: &mut Vec<(String, Vec<LanePart>)>,
-        scope: &Scope,
-    ) -> Result<(), Fault> {
-        no_conditions(node)?;
-        let counts = ["success_count", "failure_count"].map(|name| node.attribute(name));
-        if !matches!(counts, [None | Some("-1"), None | Some("1")]) {
-            return fault(
-                node,
-                "lanes must all succeed, and end when one fails",
-                "set success_count=\"-1\" failure_count=\"1\"",
-            );
-        }
-        let is_first = lanes.is_empty();
-        for child in children(node).into_iter().filter(|child| !child.is_comment()) {
-            let Some(actor) = child.attribute(ACTOR) else {
-                return fault(
-                    child,
-                    "a lane does not say whose it is",
-                    "write <Sequence _actor=\"HAND\"> around its steps",
-                );
-            };
-            let place = lanes.iter().position(|(other, _)| other == actor);
-            let place = match place {
-                Some(place) if !is_first => place,
-                None if is_first => {
-                    lanes.push((actor.to_owned(), Vec::new()));
-                    lanes.len() - 1
-                }
-                _ => {
-                    return fault(
-                        child,
-                        format!("the lane of `{actor}` is not one of those before"),
-                        "keep the same lanes",
-                    );
-                }
-            };
-            for item in children(child) {
-                if let (Some(name), true) = (item.attribute(SYNC), item.has_tag_name("Sequence")) {
-                    lanes[place].1.push(LanePart::Sync(name.to_owned()));
-                    continue;
-                }
-                for part in self.settled(&[item], scope)? {
-                    lanes[place].1.push(match part {
-                        Part::Step(step) => LanePart::Step(step),
-                        Part::Remark(text) => LanePart::Remark(text),
-                        _ => return fault(item, "a lane has steps only", "put branches and loops around the lanes"),
-                    });
-                }
-            }
-        }
-        Ok(())
     }
 
     fn subtree(&mut self, node: Xml<'d, 'x>, scope: &Scope) -> Result<Vec<Part>, Fault> {
@@ -610,68 +448,4 @@ impl<'d, 'x: 'd> Reader<'d, 'x> {
             explanation: node.attribute("name").unwrap_or_default().to_owned(),
         })
     }
-}
-
-/// Refuses conditions and scripts of a node, which change when it is ticked and what it returns.
-fn no_conditions(node: Xml<'_, '_>) -> Result<(), Fault> {
-    const CHANGING: [&str; 7] = [
-        "_skipIf",
-        "_failureIf",
-        "_successIf",
-        "_while",
-        "_onSuccess",
-        "_onHalted",
-        "_post",
-    ];
-    match CHANGING.iter().find(|name| node.has_attribute(**name)) {
-        Some(name) => fault(
-            node,
-            format!("no plan has the attribute `{name}`"),
-            "use IfThenElse for what depends on a fact",
-        ),
-        None => Ok(()),
-    }
-}
-
-/// Returns the text of a port.
-fn text_of(node: Xml<'_, '_>, value: &str, scope: &Scope) -> Result<String, Fault> {
-    let Some(entry) = blackboard(value) else {
-        return Ok(value.to_owned());
-    };
-    match scope.get(entry) {
-        Some(text) => Ok(text.clone()),
-        None => fault(
-            node,
-            format!("`{value}` is an entry of the blackboard, which a plan does not know"),
-            "write the name of an entity, or pass it to the subtree as a text",
-        ),
-    }
-}
-
-/// Returns the entry of the blackboard that a port refers to; none for a text.
-fn blackboard(value: &str) -> Option<&str> {
-    value.strip_prefix('{')?.strip_suffix('}')
-}
-
-/// The elements and comments inside of a node.
-pub(super) fn children<'d, 'x>(node: Xml<'d, 'x>) -> Vec<Xml<'d, 'x>> {
-    node.children()
-        .filter(|child| child.is_element() || child.is_comment())
-        .collect()
-}
-
-fn only_child<'d, 'x>(node: Xml<'d, 'x>) -> Option<Xml<'d, 'x>> {
-    match children(node)[..] {
-        [only] => Some(only),
-        _ => None,
-    }
-}
-
-/// The code of a script without blanks.
-pub(super) fn code(node: Xml<'_, '_>) -> String {
-    blank_free(node.attribute("code").unwrap_or_default())
-}
-
-fn blank_free(code: &str) -> String {
-    code.split_whitespace().collect()
 }

@@ -1,16 +1,13 @@
 //! Reader of conditions, and of what computes them: the inverse of the writer's.
 
-use std::collections::HashMap;
-
 use roxmltree::Node as Xml;
 
 use super::OUTCOME;
-use super::read::{Fault, Part, Reader, Scope, children, code, fault};
+use super::part::Part;
+use super::read::Reader;
+use super::xml::{Fault, Scope, children, code, fault};
 use crate::plan::tree::Test;
 use crate::plan::written::WrittenStep;
-
-/// Conditions that were computed into entries of the blackboard.
-pub(super) type Flags = HashMap<String, Test<WrittenStep>>;
 
 /// A script that computes a condition.
 enum Assignment {

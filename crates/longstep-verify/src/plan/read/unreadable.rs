@@ -141,7 +141,7 @@ pub enum Unreadable {
         position: Position,
         /// Description of the error.
         message: String,
-        /// What a plan can have in its place.
+        /// The alternative that a plan can have.
         hint: String,
     },
     /// A value has the wrong type.
