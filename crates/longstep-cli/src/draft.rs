@@ -1,6 +1,7 @@
 //! The input of `longstep verify`, `longstep repair` and `longstep export`: a plan file and its world.
 
 use anyhow::Result;
+use longstep::draft_text::{changed_domain, is_foreign as is_foreign_to, knows_no_step, other_domain};
 use longstep::goal::Goal;
 use longstep::report::Assessment;
 use longstep_core::environment::World;
@@ -16,7 +17,7 @@ use longstep_picture::plan::Annotations;
 use crate::arguments::{DraftArguments, domain_or_default, required};
 use crate::failure::Failure;
 use crate::output::{self, Form};
-use crate::plan_domain::{changed_domain, is_foreign as is_foreign_to, knows_no_step, other_domain, wrong_domain};
+use crate::plan_domain::wrong_domain;
 use crate::{exit_code, inputs, problem, show};
 
 /// A plan file, read and resolved.
@@ -38,15 +39,16 @@ impl Draft {
             return Self::for_problem(arguments, problem);
         }
         let domain = load_domain(domain_or_default(arguments.domain.as_ref()))?;
-        let read = inputs::PlanText::read(&arguments.plan, &domain)?;
-        let shown = read.shown.clone();
+        let read = inputs::plan_text(&arguments.plan, &domain)?;
+        let shown = read.name().to_owned();
         let planned = read.draft().and_then(|draft| other_domain(&draft.file, &domain));
         let is_foreign = planned.is_some() || read.draft().is_some_and(|draft| knows_no_step(&draft.file, &domain));
-        let world = match (&arguments.env, read.before()) {
+        let before = read.draft().and_then(|draft| draft.file.environment_before.as_ref());
+        let world = match (&arguments.env, before) {
             (Some(path), _) => inputs::world(&domain, path, None)?,
             (None, Some(environment)) => {
                 let inside = json::Path::key("environment_before");
-                let world = inputs::read_world(&domain, environment, &shown, &read.text, &inside);
+                let world = inputs::read_world(&domain, environment, &shown, read.text(), &inside);
                 match (world, is_foreign) {
                     (Err(error), false) => return Err(error),
                     (Err(_), true) => return Err(wrong_domain(&shown, planned, &domain).into()),
@@ -64,7 +66,7 @@ impl Draft {
             }
         };
         let changed = read.draft().and_then(|draft| changed_domain(&draft.file, &domain));
-        let (draft, mut notes) = read.for_world(&world)?;
+        let (draft, mut notes) = read.for_world(&world).map_err(inputs::no_draft)?;
         notes.extend(changed);
         let mut world = inputs::with_rules(world, arguments.rules.as_deref())?;
         let mut goal = None;
@@ -94,9 +96,9 @@ impl Draft {
         let Problem {
             world, wanted, notes, ..
         } = problem;
-        let read = inputs::PlanText::read(&arguments.plan, world.domain())?;
+        let read = inputs::plan_text(&arguments.plan, world.domain())?;
         let of_problem = notes.iter().map(ToString::to_string);
-        let (draft, notes) = read.for_world(&world)?;
+        let (draft, notes) = read.for_world(&world).map_err(inputs::no_draft)?;
         Ok(Self {
             world,
             draft,

@@ -5,23 +5,19 @@ use std::sync::Arc;
 use longstep::Goal;
 use longstep::domain::Domain as LoadedDomain;
 use longstep::report::Answer as Report;
-use longstep_core::execution::Aim;
-use longstep_core::plan::{PlanFile, Written, outline, write_tree};
+use longstep_core::execution::{Aim, plan_hash};
+use longstep_core::plan::{PlanFile, outline};
 use longstep_core::repair::Edit;
 use longstep_core::verify::{Purpose, VerifiedPlan};
 use longstep_core::{pddl, search};
 use longstep_picture::plan::Annotations;
 use pyo3::prelude::*;
-use sha2::{Digest, Sha256};
 
 use crate::failure::Failure;
 use crate::json;
 use crate::picture;
 use crate::step::Step;
 use crate::world::World;
-
-/// Bytes of a plan's hash that are written, as a server writes it.
-const HASH: usize = 16;
 
 /// A plan that was simulated from its first step to its last without a violation. Immutable; it cannot be constructed, but
 /// comes from an answer or a session.
@@ -67,12 +63,7 @@ impl Plan {
     /// approval on a server names.
     #[getter]
     fn hash(&self) -> String {
-        let world = self.plan.world();
-        let rules: Vec<&str> = world.prohibitions().iter().map(|rule| rule.written.as_str()).collect();
-        let tree = write_tree(&Written::of_plan(world, self.plan.plan()));
-        let content = serde_json::json!([world.environment(), rules, self.goal, tree]);
-        let digest = Sha256::digest(content.to_string());
-        digest[..HASH].iter().map(|byte| format!("{byte:02x}")).collect()
+        plan_hash(&self.plan, &self.goal)
     }
 
     /// The world before the plan.

@@ -61,4 +61,4 @@ pub use store::{
 #[cfg(feature = "postgres")]
 pub use store::{PostgresOptions, PostgresStore};
 pub use talk::{Said, Waiting};
-pub use view::{AcceptedView, EndingView, FailureView, ProposalView, SessionView, Snapshot, plan_hash};
+pub use view::{AcceptedView, EndingView, FailureView, ProposalView, SessionView, Snapshot};

@@ -3,20 +3,10 @@
 use longstep::report::Answer;
 use longstep::session::{Accepted, Ended, Proposal, Response, Session};
 use longstep_core::environment::{Environment, World};
-use longstep_core::plan::{Written, write_tree};
-use longstep_core::verify::VerifiedPlan;
+use longstep_core::execution::plan_hash;
 use serde::Serialize;
 
-use crate::id::{SessionId, hash};
-
-/// Returns the hash of a plan: of its steps with all arguments, of the world before it with the rules in force, and of its
-/// goal. An approval names it.
-pub fn plan_hash(plan: &VerifiedPlan, goal: &[String]) -> String {
-    let world = plan.world();
-    let rules: Vec<&str> = world.prohibitions().iter().map(|rule| rule.written.as_str()).collect();
-    let tree = write_tree(&Written::of_plan(world, plan.plan()));
-    hash(&serde_json::json!([world.environment(), rules, goal, tree]))
-}
+use crate::id::SessionId;
 
 /// A session as a program or a page sees it.
 #[derive(Debug, Clone, Serialize)]

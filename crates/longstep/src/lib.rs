@@ -81,6 +81,7 @@ pub mod compose;
 pub mod coverage;
 pub mod dialogue;
 pub mod domain;
+pub mod draft_text;
 pub mod feedback;
 pub mod goal {
     //! Goals of plans.

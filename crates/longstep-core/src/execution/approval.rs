@@ -8,9 +8,37 @@ use sha2::{Digest, Sha256};
 use super::change::Change;
 use super::event::plan_text;
 use super::{Event, Execution, ExecutionError, Phase, StepOrder, Stop};
+use crate::plan::{Written, write_tree};
+use crate::verify::VerifiedPlan;
 
 /// The number of bytes of an id.
 const ID_LENGTH: usize = 16;
+
+/// Returns the first bytes of a hash as hexadecimal digits.
+fn digits(hash: &[u8]) -> String {
+    hash[..ID_LENGTH].iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Returns the hash of a plan: of its steps with all arguments, of the world before it with the rules in force, and of its
+/// goal, with identifiers of the environment. An approval before a run names it.
+///
+/// ```
+/// # use longstep_core::{domain, environment, execution::plan_hash, plan, verify::check_file};
+/// # let household = domain::shipped("household").unwrap().unwrap();
+/// # let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+/// # let world = environment::parse(&household, "env.json", text).unwrap();
+/// # let draft = plan::read(r#"{"task_sequence": ["move_hand()"], "object_name": "<pen>"}"#).unwrap();
+/// # let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+/// assert_eq!(plan_hash(&plan, &[]).len(), 32);
+/// assert_ne!(plan_hash(&plan, &[]), plan_hash(&plan, &["put(<pen>, <desk>)".to_owned()]));
+/// ```
+pub fn plan_hash(plan: &VerifiedPlan, goal: &[String]) -> String {
+    let world = plan.world();
+    let rules: Vec<&str> = world.prohibitions().iter().map(|rule| rule.written.as_str()).collect();
+    let tree = write_tree(&Written::of_plan(world, plan.plan()));
+    let content = serde_json::json!([world.environment(), rules, goal, tree]);
+    digits(&Sha256::digest(content.to_string()))
+}
 
 /// A matter that a person decides.
 #[derive(Debug, Clone)]
@@ -69,8 +97,7 @@ impl Execution {
         let place = (self.changes, self.orders);
         let mut hash = Sha256::new();
         hash.update(serde_json::json!([place, self.environment(), content]).to_string());
-        let bytes = hash.finalize();
-        ProposalId(bytes[..ID_LENGTH].iter().map(|byte| format!("{byte:02x}")).collect())
+        ProposalId(digits(&hash.finalize()))
     }
 
     /// Approves what was proposed, and nothing else.

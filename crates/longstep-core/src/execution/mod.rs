@@ -47,7 +47,7 @@ mod written;
 use rustc_hash::FxHashMap;
 
 pub use aim::Aim;
-pub use approval::{Proposal, ProposalId, Subject};
+pub use approval::{Proposal, ProposalId, Subject, plan_hash};
 pub use board::{Board, BoardLine, BoardStep, Mark};
 pub use change::{Change, ChangeKind};
 pub use error::{BeginError, ExecutionError, RefusedPart};
