@@ -103,17 +103,34 @@ pub(crate) fn verify(
     goal: Option<&str>,
     rules: Option<Vec<String>>,
 ) -> PyResult<Answer> {
-    let (source, domain, ground) = (plan_source(plan)?, world.domain(), Ground::from(&world));
+    assessed(py, plan, &world, goal, rules, |assessment, plan_of| {
+        let verifying = Instant::now();
+        let mut report = assessment.verdict();
+        report.timings_ms.verify = milliseconds(verifying.elapsed());
+        let plan = verified(assessment).map(|plan| plan_of(plan, &report));
+        (report, plan)
+    })
+}
+
+/// Reads a plan in its place, and answers with what `judge` finds; the interpreter is free meanwhile. `judge` also gets what
+/// makes a plan with the goal of the draft.
+fn assessed(
+    py: Python<'_>,
+    plan: &Bound<'_, PyAny>,
+    place: &Place<'_>,
+    goal: Option<&str>,
+    rules: Option<Vec<String>>,
+    judge: impl FnOnce(&Assessment<'_>, &dyn Fn(VerifiedPlan, &Report) -> Plan) -> Solved + Send,
+) -> PyResult<Answer> {
+    let (source, domain, ground) = (plan_source(plan)?, place.domain(), Ground::from(place));
     let rules = rules.unwrap_or_default();
     let (report, plan) = py.detach(|| -> Result<_, Failure> {
         let started = Instant::now();
         let draft = ground.draft(&source.read("plan")?, goal, &rules)?;
-        let assessment = draft.assessment();
-        let verifying = Instant::now();
-        let mut report = assessment.verdict();
-        report.timings_ms.verify = milliseconds(verifying.elapsed());
+        let (mut report, plan) = judge(&draft.assessment(), &|plan, report| {
+            plan_of(&domain, &draft, plan, report)
+        });
         report.timings_ms.total = milliseconds(started.elapsed());
-        let plan = verified(&assessment).map(|plan| plan_of(&domain, &draft, plan, &report));
         Ok((report, plan))
     })?;
     Answer::new(py, report, plan)
@@ -146,16 +163,9 @@ pub(crate) fn repair(
     goal: Option<&str>,
     rules: Option<Vec<String>>,
 ) -> PyResult<Answer> {
-    let (source, domain, ground) = (plan_source(plan)?, world.domain(), Ground::from(&world));
-    let rules = rules.unwrap_or_default();
-    let (report, plan) = py.detach(|| -> Result<_, Failure> {
-        let started = Instant::now();
-        let draft = ground.draft(&source.read("plan")?, goal, &rules)?;
-        let assessment = draft.assessment();
+    assessed(py, plan, &world, goal, rules, |assessment, plan_of| {
         if assessment.question().is_some() {
-            let mut report = assessment.verdict();
-            report.timings_ms.total = milliseconds(started.elapsed());
-            return Ok((report, None));
+            return (assessment.verdict(), None);
         }
         let searching = Instant::now();
         let outcome = assessment.repair();
@@ -164,17 +174,15 @@ pub(crate) fn repair(
         let mut report = assessment.repaired();
         report.timings_ms.verify = milliseconds(verifying.elapsed());
         report.timings_ms.search = search;
-        report.timings_ms.total = milliseconds(started.elapsed());
         let plan = match outcome {
-            RepairOutcome::Valid(plan) => Some(plan_of(&domain, &draft, plan.clone(), &report)),
+            RepairOutcome::Valid(plan) => Some(plan_of(plan.clone(), &report)),
             RepairOutcome::Repaired(repaired) => {
-                Some(plan_of(&domain, &draft, repaired.plan.clone(), &report).with_edits(&repaired.edits))
+                Some(plan_of(repaired.plan.clone(), &report).with_edits(&repaired.edits))
             }
             _ => None,
         };
-        Ok((report, plan))
-    })?;
-    Answer::new(py, report, plan)
+        (report, plan)
+    })
 }
 
 /// The work of a search: `small`, `normal`, `large`, or millions of units.

@@ -97,7 +97,7 @@ struct NoDraft {
 /// let household = domain::shipped("household").unwrap()?;
 /// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text)?;
-/// let printed = DraftText::read("plan.txt", "(move-hand pen)\n(grasp-object pen)\n", Notation::Any, &household).unwrap();
+/// let printed = DraftText::read("plan.txt", "(move-hand pen)\n(grasp pen)\n", Notation::Any, &household).unwrap();
 /// let (draft, _) = printed.for_world(&world).unwrap();
 /// assert_eq!(draft.file.task_cohesion.task_sequence, ["move_hand()", "grasp_object()"]);
 /// # Ok::<(), longstep_core::diagnostic::Diagnostics>(())

@@ -19,7 +19,7 @@ use super::flowchart::{Flowchart, Shape, Shown};
 /// let plan = verify::check_file(&world, &draft.file).unwrap().into_verified().unwrap();
 /// let chart = mermaid(&Diagram::of(&plan, &Annotations::default()));
 /// assert!(chart.starts_with("flowchart TD\n"));
-/// assert!(chart.contains("1. move the hand to the pen"));
+/// assert!(chart.contains("1#46; move the hand to the pen"));
 /// ```
 pub fn mermaid(diagram: &Diagram) -> String {
     let chart = Flowchart::of(diagram);
