@@ -30,6 +30,10 @@ const CONNECTIONS: usize = 1_024;
 #[cfg(unix)]
 const BACKLOG: i32 = 4_096;
 
+/// The time for which a connection may be silent before a new one gets its place: some thousand idle connections a second
+/// evict nobody who has something to say.
+const SILENCE: Duration = Duration::from_millis(200);
+
 /// The time in which the head of a request arrives.
 const SLOWEST_HEAD: Duration = Duration::from_secs(15);
 
@@ -154,7 +158,7 @@ pub fn serve(
 }
 
 async fn accept(listener: tokio::net::TcpListener, service: Router) {
-    let gate = Gate::new(CONNECTIONS.min(open_files() / 2));
+    let gate = Gate::new(CONNECTIONS.min(open_files() / 2), SILENCE);
     let lingering = Arc::new(Semaphore::new(LINGERING));
     let service = TowerToHyperService::new(service);
     loop {
@@ -164,7 +168,7 @@ async fn accept(listener: tokio::net::TcpListener, service: Router) {
             continue;
         };
         let (service, lingering) = (service.clone(), Arc::clone(&lingering));
-        match gate.admit() {
+        match gate.admit().await {
             Some((admitted, evicted)) => drop(tokio::spawn(async move {
                 let (stream, end) = connected(stream, service, admitted, evicted).await;
                 match end {

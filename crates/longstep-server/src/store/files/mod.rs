@@ -6,7 +6,7 @@ mod tail;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use longstep_files::{LOG_LIMIT, create_private_folder, read_bounded, restrict};
 use longstep_llm::LOG;
@@ -18,6 +18,9 @@ use crate::id::{RunId, SessionId, hexadecimal};
 
 /// Maximum length of a record in bytes.
 const LARGEST_RECORD: u64 = 1 << 20;
+
+/// The time after which a run has something in its log, if its program lives.
+const BEGINNING: Duration = Duration::from_secs(60);
 
 /// Logs and records as files, in the folder of the program's state: `sessions/NAME/session.jsonl` and
 /// `runs/NAME.jsonl`, where `longstep chat` and `longstep run` have theirs, and `server/`.
@@ -63,7 +66,24 @@ impl FileStore {
         ] {
             create_private_folder(folder).map_err(failed("cannot create", folder))?;
         }
+        store.remove_runs_that_never_began()?;
         Ok(store)
+    }
+
+    /// Removes the empty logs of programs that were killed between taking a run and using its approval.
+    fn remove_runs_that_never_began(&self) -> Result<(), StoreError> {
+        for name in names(&self.runs)? {
+            let path = self.runs.join(&name);
+            let is_empty = fs::metadata(&path).is_ok_and(|metadata| {
+                let age = metadata.modified().ok().and_then(|time| time.elapsed().ok());
+                metadata.len() == 0 && age.is_some_and(|age| age > BEGINNING)
+            });
+            if let (true, Some(id)) = (is_empty, name.strip_suffix(".jsonl").and_then(RunId::parse)) {
+                // Dropping one that is empty removes it; one in use is another program's.
+                drop(OwnedFile::open(path, &LogName::Run(id), &self.registry));
+            }
+        }
+        Ok(())
     }
 
     /// Returns the folder of the server's own files.
@@ -237,4 +257,33 @@ fn names(folder: &Path) -> Result<Vec<String>, StoreError> {
 fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> StoreError {
     let path = path.to_path_buf();
     move |reason| StoreError::File { action, path, reason }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_logs_of_runs_are_removed_unless_they_are_new_or_in_use() {
+        let folder = tempfile::tempdir().unwrap();
+        let sessions = folder.path().join("sessions");
+        let store = FileStore::open(&sessions).unwrap();
+        let old = SystemTime::now() - 2 * BEGINNING;
+        let log = |text: &str, is_old: bool| {
+            let id = RunId::random().unwrap();
+            let path = store.path(&LogName::Run(id));
+            let mut file = File::create(&path).unwrap();
+            file.write_all(text.as_bytes()).unwrap();
+            if is_old {
+                file.set_modified(old).unwrap();
+            }
+            path
+        };
+        let (never_began, new, begun, waiting) = (log("", true), log("", false), log("{}\n", true), log("", true));
+        let in_use = File::open(&waiting).unwrap();
+        in_use.try_lock().unwrap();
+        FileStore::open(&sessions).unwrap();
+        let is_there = [&never_began, &new, &begun, &waiting].map(|path| path.exists());
+        assert_eq!(is_there, [false, true, true, true]);
+    }
 }
