@@ -8,6 +8,8 @@ mod lint;
 mod new_domain;
 
 pub use lint::{Finding, Lint, lint, lint_environment};
+#[cfg(feature = "schema")]
+pub use new_domain::answers_schema;
 pub use new_domain::{
     ActionAnswer, AnswerMistake, Answers, KindAnswer, MissedRemoval, Misspelt, NewDomain, Sample, SourceText,
     UnmadeState, action_mistake, from_answers, from_any_pddl, guess_removed, guess_start, missed_removals,

@@ -85,6 +85,11 @@ pub(crate) enum Command {
     /// List and download models
     #[command(subcommand)]
     Model(ModelCommand),
+    /// Print the JSON Schema of a file that the program reads or writes; without a name, list the schemas
+    Schema {
+        /// Name of the schema
+        name: Option<String>,
+    },
 }
 
 /// A new session, or one to resume.

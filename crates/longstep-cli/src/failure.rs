@@ -69,7 +69,7 @@ impl std::error::Error for Failure {}
 /// The most findings that are printed as lines.
 const LINES: usize = 20;
 
-/// An error as it is printed. `docs/schema/error.schema.json` describes the object.
+/// An error as it is printed. `schemas/error.schema.json` describes the object.
 #[derive(Debug, Serialize)]
 struct Report {
     code: u8,

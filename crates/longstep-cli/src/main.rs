@@ -34,6 +34,7 @@ mod robot;
 mod ros;
 mod run;
 mod runs;
+mod schema;
 mod see;
 mod serve;
 mod session;
@@ -81,5 +82,6 @@ fn run(command: &mut Command) -> anyhow::Result<u8> {
         Command::Eval(arguments) => eval::run(arguments),
         Command::Domain(command) => domain::run(command),
         Command::Model(command) => model::run(command),
+        Command::Schema { name } => schema::run(name.as_deref()),
     }
 }

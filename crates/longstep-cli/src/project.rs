@@ -13,6 +13,29 @@ pub(crate) const FILE: &str = "longstep.toml";
 
 const KEYS: [&str; 6] = ["domain", "environment", "robot", "autonomy", "rules", "model"];
 
+/// Returns the JSON Schema of the file.
+pub(crate) fn schema() -> serde_json::Value {
+    let about = [
+        "The domain: the name of a shipped one, or a folder.",
+        "The environment.",
+        "The robot: sim, process:COMMAND, ros2:ROBOT.toml or virtualhome:URL.",
+        "The file of levels and limits.",
+        "The file of rules that bind every plan.",
+        "The model.",
+    ];
+    let key = |(key, about): (&str, &str)| {
+        let schema = serde_json::json!({"description": about, "type": "string", "pattern": "\\S"});
+        (key.to_owned(), schema)
+    };
+    serde_json::json!({
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "The options of a Longstep project: longstep.toml",
+        "type": "object",
+        "properties": KEYS.into_iter().zip(about).map(key).collect::<serde_json::Map<_, _>>(),
+        "additionalProperties": false,
+    })
+}
+
 /// The content of a project file, with its paths as seen from the working folder.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Project {

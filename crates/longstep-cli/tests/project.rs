@@ -154,7 +154,7 @@ fn error_of(ran: &Ran) -> Value {
     let keys: Vec<&String> = object.as_object().unwrap().keys().collect();
     assert_eq!(keys, ["error"]);
     let error = object["error"].clone();
-    let schema = include_str!("../../../docs/schema/error.schema.json");
+    let schema = include_str!("../../../schemas/error.schema.json");
     let schema: Value = serde_json::from_str(schema).unwrap();
     let known = schema["properties"]["error"]["properties"].as_object().unwrap();
     assert!(

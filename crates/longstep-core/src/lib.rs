@@ -9,9 +9,14 @@
 //!
 //! Its own modules are [`autonomy`], the levels and limits of a robot, and [`execution`]: a plan that a robot carries out,
 //! monitored and mended. A program that only verifies
-//! plans depends on `longstep-verify`. The feature `testing` adds worlds and plans for tests, the module `testing`.
+//! plans depends on `longstep-verify`. The feature `testing` adds worlds and plans for tests, the module `testing`;
+//! `schema` adds JSON Schemas of files, the module `schema`.
 
-pub use longstep_model::{call, diagnostic, domain, effort, environment, geometry, json, model, secret, visible};
+#[cfg(feature = "schema")]
+pub use longstep_model::schema;
+pub use longstep_model::{
+    call, diagnostic, domain, effort, environment, geometry, json, model, secret, spanned, visible,
+};
 #[cfg(feature = "testing")]
 pub use longstep_search::testing;
 pub use longstep_search::{goal, pddl, repair, schedule, search};

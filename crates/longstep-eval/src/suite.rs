@@ -17,6 +17,8 @@ use longstep_core::environment::World;
 use longstep_core::model::Prohibition;
 
 pub use load::{Files, domain_name, load};
+#[cfg(feature = "schema")]
+pub use load::{cases_schema, schema};
 pub use reachable::{GoalFindings, Settled, Unreached};
 pub use shipped::{shipped, shipped_names};
 

@@ -77,7 +77,7 @@ pub use presence::Presence;
 pub use program::{CommandLine, CommandLineError};
 pub use reference::{ReferenceError, RobotKind, RobotReference};
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
-pub use run_log::{RunHeader, RunLog, RunLogError, TimedEvent};
+pub use run_log::{RUN_LOG_SCHEMA, RunHeader, RunLog, RunLogError, TimedEvent};
 pub use scope::Scope;
 pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};
 pub use stop::StopRequest;

@@ -9,6 +9,9 @@ use longstep_core::execution::Event;
 use longstep_core::secret;
 use serde::{Deserialize, Serialize};
 
+/// The JSON Schema of a line of a log.
+pub const RUN_LOG_SCHEMA: &str = include_str!("run.schema.json");
+
 /// Maximum length of a log.
 const LARGEST: u64 = 256 << 20;
 

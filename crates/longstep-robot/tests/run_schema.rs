@@ -22,8 +22,8 @@ struct Schema {
 impl Schema {
     fn new() -> Self {
         let (mut compiler, mut schemas) = (Compiler::new(), Schemas::new());
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema");
-        let location = |name: &str| format!("https://github.com/longstep/longstep/docs/schema/{name}.schema.json");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../schemas");
+        let location = |name: &str| format!("https://github.com/longstep/longstep/schemas/{name}.schema.json");
         for name in ["plan", "robot", "run"] {
             let text = std::fs::read_to_string(folder.join(format!("{name}.schema.json"))).unwrap();
             let schema = serde_json::from_str(&text).unwrap();

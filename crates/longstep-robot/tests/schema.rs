@@ -26,9 +26,9 @@ impl Messages {
     fn new() -> Self {
         let mut compiler = Compiler::new();
         for name in ["plan", "robot"] {
-            let file = docs().join(format!("schema/{name}.schema.json"));
+            let file = docs().join(format!("../schemas/{name}.schema.json"));
             let text = std::fs::read_to_string(file).unwrap();
-            let location = format!("https://github.com/longstep/longstep/docs/schema/{name}.schema.json");
+            let location = format!("https://github.com/longstep/longstep/schemas/{name}.schema.json");
             compiler
                 .add_resource(&location, serde_json::from_str(&text).unwrap())
                 .unwrap();
@@ -38,8 +38,7 @@ impl Messages {
     }
 
     fn index(&mut self, definition: &str) -> SchemaIndex {
-        let location =
-            format!("https://github.com/longstep/longstep/docs/schema/robot.schema.json#/$defs/{definition}");
+        let location = format!("https://github.com/longstep/longstep/schemas/robot.schema.json#/$defs/{definition}");
         self.compiler.compile(&location, &mut self.schemas).unwrap()
     }
 

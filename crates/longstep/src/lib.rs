@@ -97,6 +97,8 @@ mod model;
 pub mod perception;
 mod reading;
 pub mod report;
+#[cfg(feature = "schema")]
+pub mod schema;
 pub mod session;
 pub mod understanding;
 mod usage;

@@ -1,8 +1,8 @@
 //! Loading of domains with their prompts.
 
 use indexmap::IndexMap;
+use longstep_core::spanned::Spanned;
 use serde::Deserialize;
-use toml::Spanned;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::dialogue::{check_example, render_goal_prompt};
@@ -121,34 +121,64 @@ fn feedback_examples(domain: &Domain, files: &Files, findings: &mut Vec<Diagnost
     examples
 }
 
+/// Returns the JSON Schema of `prompt/feedback.toml`.
+#[cfg(feature = "schema")]
+pub(crate) fn feedback_schema() -> serde_json::Value {
+    longstep_core::schema::of::<FeedbackFile>("Worked examples of feedback for Longstep: prompt/feedback.toml")
+}
+
+/// Returns the JSON Schema of `prompt/examples.toml`.
+#[cfg(feature = "schema")]
+pub(crate) fn examples_schema() -> serde_json::Value {
+    longstep_core::schema::of::<ExamplesFile>("Worked examples of goals for Longstep: prompt/examples.toml")
+}
+
+/// Worked examples of feedback.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct FeedbackFile {
+    /// The examples.
     #[serde(default)]
     example: Vec<FeedbackEntry>,
 }
 
+/// A worked example of feedback.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct FeedbackEntry {
+    /// The instruction.
     instruction: String,
+    /// The lines of the plan.
     plan: Vec<String>,
+    /// What the person says about it.
     says: String,
+    /// The answer of the model.
     answer: Spanned<String>,
 }
 
+/// Worked examples of goals.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct ExamplesFile {
+    /// The examples.
     #[serde(default)]
     example: Vec<ExampleEntry>,
 }
 
+/// A worked example of a goal.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct ExampleEntry {
+    /// Objects with their states.
     objects: IndexMap<String, String>,
+    /// Places with their states.
     places: IndexMap<String, String>,
+    /// The instruction.
     instruction: String,
+    /// The answer of the model.
     answer: Spanned<String>,
 }

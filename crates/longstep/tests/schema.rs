@@ -93,7 +93,7 @@ fn variants(value: &Value) -> Vec<Value> {
 
 #[test]
 fn the_schema_accepts_what_the_reader_accepts() {
-    let text = include_str!("../../../docs/schema/plan.schema.json");
+    let text = include_str!("../../../schemas/plan.schema.json");
     let schema: Value = serde_json::from_str(text).unwrap();
     let call = json!({ "call": "a(<x>)", "implicit": { "to": "<y>" }, "explanation": "why" });
     let tree = json!([

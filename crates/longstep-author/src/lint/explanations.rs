@@ -1,6 +1,6 @@
 //! Lints about explanations, sentences and few-shot examples.
 
-use toml::Spanned;
+use longstep_core::spanned::Spanned;
 
 use super::names::words_of;
 use super::places::{Place, Places};

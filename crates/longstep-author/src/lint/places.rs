@@ -1,6 +1,6 @@
 //! Source positions of a domain's items.
 
-use toml::Spanned;
+use longstep_core::spanned::Spanned;
 
 use longstep::domain::sexpr::{self, Expression};
 use longstep::domain::words::DomainFile;

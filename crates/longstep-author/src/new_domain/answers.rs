@@ -9,8 +9,19 @@ use serde::Deserialize;
 use longstep::domain::read_toml;
 use longstep_core::diagnostic::Diagnostics;
 
+/// Returns the JSON Schema of `answers.toml`.
+///
+/// ```
+/// assert!(longstep_author::answers_schema()["properties"]["action"].is_object());
+/// ```
+#[cfg(feature = "schema")]
+pub fn answers_schema() -> serde_json::Value {
+    longstep_core::schema::of::<Answers>("Answers about a robot for Longstep: answers.toml")
+}
+
 /// An author's answers about a robot.
 #[derive(Debug, Clone, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Answers {
     /// The name of the domain.
@@ -34,6 +45,7 @@ pub struct Answers {
 
 /// A kind of things.
 #[derive(Debug, Clone, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct KindAnswer {
     /// Its name: "box".
@@ -48,6 +60,7 @@ pub struct KindAnswer {
 
 /// An action.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ActionAnswer {
     /// The action in words: "put a box on a shelf".

@@ -108,7 +108,8 @@ fn shown(world: &World, sample: &Sample) -> FxHashSet<EntityId> {
 pub(super) fn examples(world: &World, sampler: &mut Sampler) -> String {
     let world = &renamed(world).unwrap_or_else(|| world.clone());
     let mut text = String::from(
-        "# Worked examples for the model, made from the sentences in domain.toml; every answer was planned and verified.\n\
+        "#:schema ../schemas/examples.schema.json\n\
+         # Worked examples for the model, made from the sentences in domain.toml; every answer was planned and verified.\n\
          # Replace instructions by words that people really say. Use names that your own environments do not have.\n",
     );
     // Without an example, the scene is empty.
@@ -187,8 +188,9 @@ pub(super) fn examples(world: &World, sampler: &mut Sampler) -> String {
 /// Writes `prompt/plans.toml`.
 pub(super) fn plans(world: &World, sampler: &mut Sampler) -> String {
     let world = &renamed(world).unwrap_or_else(|| world.clone());
-    let mut text =
-        String::from("# Worked examples for a model that writes whole plans; search plans for each `goal`.\n");
+    let mut text = String::from(
+        "#:schema ../schemas/plans.schema.json\n# Worked examples for a model that writes whole plans; search plans for each `goal`.\n",
+    );
     let mut environment = String::new();
     for sample in sampler.samples(world, PLANS, 0) {
         let keep: Vec<EntityId> = {

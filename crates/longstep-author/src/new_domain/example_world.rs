@@ -129,9 +129,9 @@ pub(super) fn environment(domain: &Domain, world: &World, (assets, objects): (Ty
 }
 
 /// Returns the environment as a file.
-pub(super) fn json(environment: &Environment) -> String {
+pub(super) fn json(environment: &Environment, schema: &str) -> String {
     // An environment is plain data with string keys; its serialization does not fail.
-    let value = serde_json::json!({ "environment": environment });
+    let value = serde_json::json!({ "$schema": schema, "environment": environment });
     let mut text = serde_json::to_string_pretty(&value).unwrap_or_default();
     text.push('\n');
     text

@@ -21,6 +21,8 @@ mod words;
 use std::collections::BTreeMap;
 
 pub use answer_reader::{MissedRemoval, guess_removed, missed_removals};
+#[cfg(feature = "schema")]
+pub use answers::answers_schema;
 pub use answers::{ActionAnswer, Answers, KindAnswer};
 pub use author::{
     AnswerMistake, Misspelt, UnmadeState, action_mistake, guess_start, misspelt_kind, replace_state, same_state,
@@ -184,7 +186,7 @@ fn complete(
     ];
     let first = load_files(&files, pddl_file)?;
     let environment = example_world::environment(&first, &problem.world, lists);
-    let json = example_world::json(&environment);
+    let json = example_world::json(&environment, "./schemas/environment.schema.json");
     let world = environment::parse(&first, "environment.json", &json);
     let world = world.map_err(|findings| of_author(findings, source))?;
     let mut sampler = Sampler::default();
@@ -209,7 +211,8 @@ fn complete(
     files.push(("environment.json".to_owned(), json.clone()));
     if without_examples.is_none() {
         files.extend(example::suite(&blueprint.name, &world, &samples));
-        files.push(("suite/scenes/example.json".to_owned(), json.clone()));
+        let scene = example_world::json(&environment, "../../schemas/environment.schema.json");
+        files.push(("suite/scenes/example.json".to_owned(), scene));
         files.push(("prompt/plans.toml".to_owned(), example::plans(&world, &mut sampler)));
         files[3].1 = example::examples(&world, &mut sampler);
     }

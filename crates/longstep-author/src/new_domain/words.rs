@@ -272,7 +272,8 @@ fn write_all(
 ) -> std::fmt::Result {
     writeln!(
         text,
-        "# The words for domain.pddl. Read every sentence aloud and change those that sound wrong: people and models\n\
+        "#:schema ./schemas/domain.schema.json\n\
+         # The words for domain.pddl. Read every sentence aloud and change those that sound wrong: people and models\n\
          # read them. docs/reference/domains.md explains each key.\n\n\
          name = {}\nabout = {}\n\n\
          # What the two lists of an environment hold.\n[environment]\nassets = {}\nobjects = {}\n\n\

@@ -217,7 +217,8 @@ impl Command {
             | Self::Robot(_)
             | Self::Eval(_)
             | Self::Domain(_)
-            | Self::Model(_) => {}
+            | Self::Model(_)
+            | Self::Schema { .. } => {}
         }
         Ok(taken)
     }

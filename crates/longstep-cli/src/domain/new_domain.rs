@@ -15,7 +15,16 @@ use super::questions;
 use crate::arguments::NewDomainArguments;
 use crate::failure::Failure;
 use crate::output::{Style, print_line};
-use crate::show;
+use crate::{schema, show};
+
+/// The files of a domain that name a schema, and its name.
+const SCHEMAS: [(&str, &str); 5] = [
+    ("domain.toml", "domain"),
+    ("environment.json", "environment"),
+    ("prompt/examples.toml", "examples"),
+    ("prompt/feedback.toml", "feedback"),
+    ("prompt/plans.toml", "plans"),
+];
 
 pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
     let folder = arguments.folder.as_path();
@@ -60,7 +69,7 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
         KeptAnswers::remove();
         return Ok(());
     }
-    write_folder(folder, &domain::starter(&name))?;
+    write_folder(folder, &with_schemas(domain::starter(&name))?)?;
     let shown = folder.display();
     print_line!("Created the domain {shown}. Next steps:");
     print_line!("  longstep domain check {shown}");
@@ -86,7 +95,7 @@ fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result
         suite::load(&cases, &new.domain)?;
     }
     let all: Vec<(String, String)> = new.files.into_iter().chain(extra).collect();
-    write_folder(folder, &all)?;
+    write_folder(folder, &with_schemas(all)?)?;
     for note in &new.notes {
         show::finding("note:".cyan().bold(), note);
     }
@@ -107,6 +116,16 @@ fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result
     print_line!("  longstep domain check {shown} --env {shown}/environment.json");
     print_line!("  longstep domain try {shown}");
     Ok(())
+}
+
+/// Adds the schemas that the files name, with which editors complete them.
+fn with_schemas(mut files: Vec<(String, String)>) -> Result<Vec<(String, String)>> {
+    for (path, name) in SCHEMAS {
+        if files.iter().any(|(own, _)| own == path) {
+            files.push(schema::beside(name)?);
+        }
+    }
+    Ok(files)
 }
 
 /// Writes files into a new folder. They are written beside it first and then renamed, so that the folder is complete

@@ -39,6 +39,8 @@ use serde_json::{Map, Value, json};
 use longstep_model::model::{ActionId, Domain, EntityId, Prohibition, StepPattern, World};
 
 pub use limit::{Bound, Limit, LimitSubject};
+#[cfg(feature = "schema")]
+pub use read::schema;
 pub use refusal::{Refusal, RefusalKind};
 
 /// The time from an announcement to its step, where no file says another one.

@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::time::Duration;
 
 use indexmap::IndexMap;
+use longstep_model::spanned::Spanned;
 use serde::Deserialize;
 use serde_json::Value;
-use toml::Spanned;
 
 use super::limit::is_measurable;
 use super::{Autonomy, Bound, Level, Limit, LimitSubject};
@@ -26,12 +26,26 @@ const LONGEST: usize = 4 << 20;
 
 type Text = Spanned<String>;
 
+/// Returns the JSON Schema of a file of levels and limits.
+///
+/// ```
+/// assert!(longstep_core::autonomy::schema()["properties"]["limit"].is_object());
+/// ```
+#[cfg(feature = "schema")]
+pub fn schema() -> Value {
+    longstep_model::schema::of::<OwnFile>("The levels and limits of a robot in Longstep")
+}
+
 /// A file of its own.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct OwnFile {
+    /// The level of each action: `free`, `announce`, `approve` or `never`; `default` for the others; `announce_s` is the number of
+    /// seconds from an announcement to its step.
     #[serde(default)]
     autonomy: IndexMap<Text, Spanned<LevelText>>,
+    /// Limits of the values of steps and goals.
     #[serde(default)]
     limit: Vec<Spanned<LimitEntry>>,
 }
@@ -47,6 +61,7 @@ struct SharedFile {
 
 /// A level, or a number of seconds.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum LevelText {
     Whole(i64),
@@ -55,19 +70,28 @@ enum LevelText {
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct LimitEntry {
+    /// The action; without it, the limit is one of all steps and goals.
     action: Option<Text>,
+    /// The parameter, or the skill parameter, of the action.
     parameter: Option<Text>,
+    /// The type of values.
     value: Option<Text>,
+    /// Entities that no step may have there.
     forbidden: Option<Vec<Text>>,
+    /// The smallest value.
     min: Option<Spanned<BoundText>>,
+    /// The largest value.
     max: Option<Spanned<BoundText>>,
+    /// The reason, for people.
     says: Option<String>,
 }
 
 /// A number, or one with a unit.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum BoundText {
     Whole(i64),

@@ -8,8 +8,8 @@ use longstep_core::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::model::Prohibition;
+use longstep_core::spanned::Spanned;
 use serde::Deserialize;
-use toml::Spanned;
 
 use super::{Case, Expected, PLAIN, Step, Suite};
 use crate::ablation::digest;
@@ -37,50 +37,97 @@ impl Files {
     }
 }
 
+/// Returns the JSON Schema of `suite.toml`.
+///
+/// ```
+/// assert!(longstep_eval::suite::schema()["properties"]["domain"].is_object());
+/// ```
+#[cfg(feature = "schema")]
+pub fn schema() -> serde_json::Value {
+    longstep_core::schema::of::<SuiteFile>("A suite of Longstep: suite.toml")
+}
+
+/// Returns the JSON Schema of a file with cases of a suite.
+///
+/// ```
+/// assert!(longstep_eval::suite::cases_schema()["properties"]["case"].is_object());
+/// ```
+#[cfg(feature = "schema")]
+pub fn cases_schema() -> serde_json::Value {
+    longstep_core::schema::of::<CasesFile>("Cases of a suite of Longstep")
+}
+
+/// A suite.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct SuiteFile {
+    /// The name of the suite.
     name: String,
+    /// A sentence about it.
     about: String,
+    /// Its domain: the name of a shipped one, or a folder.
     domain: String,
 }
 
+/// Cases of a suite.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct CasesFile {
+    /// The cases.
     #[serde(default)]
     case: Vec<Spanned<CaseEntry>>,
 }
 
+/// A case: an instruction in a scene, and what is right.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct CaseEntry {
+    /// The name of the case.
     id: Spanned<String>,
+    /// The file of the environment.
     scene: Spanned<String>,
     /// Rules that bind all plans of the case, joined by `&`.
     rules: Option<Spanned<String>>,
+    /// The instruction.
     says: Option<String>,
+    /// Other wordings of the instruction, by name.
     #[serde(default)]
     wordings: BTreeMap<Spanned<String>, String>,
+    /// The goal, or several of which one is right.
     goal: Option<Spanned<Goals>>,
+    /// What is right instead of a goal.
     expect: Option<Spanned<String>>,
+    /// Several instructions, one after the other.
     steps: Option<Vec<Spanned<StepEntry>>>,
+    /// Words by which results are grouped.
     #[serde(default)]
     tags: Vec<String>,
 }
 
+/// A step of a case.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct StepEntry {
+    /// The instruction.
     says: String,
+    /// The goal, or several of which one is right.
     goal: Option<Spanned<Goals>>,
+    /// What is right instead of a goal.
     expect: Option<Spanned<String>>,
 }
 
+/// The right goal.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum Goals {
+    /// A goal.
     One(String),
+    /// Goals of which one is right.
     AnyOf(Vec<String>),
 }
 

@@ -6,7 +6,7 @@ mod sensing;
 mod skills;
 mod values;
 
-use toml::Spanned;
+use crate::spanned::Spanned;
 
 use super::content_hash::content_hash;
 use super::pddl::{Dialect, Reader, Scope, Semantics};

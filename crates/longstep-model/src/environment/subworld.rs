@@ -115,6 +115,7 @@ impl Environment {
             types: self.types.as_ref().map(texts),
             speaker: self.speaker.as_ref().and_then(kept),
             robot: self.robot.as_ref().and_then(kept),
+            schema: self.schema,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The paper's JSON for one state of the world.
 
 use indexmap::IndexMap;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
@@ -20,6 +21,7 @@ use crate::literal::{self, FaultReason};
 /// assert_eq!(serde_json::to_string(&environment).unwrap(), text);
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Environment {
     /// Entities that cannot be manipulated: shelves, tables.
@@ -55,10 +57,15 @@ pub struct Environment {
     /// The entity that carries out the plan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
+    /// The schema with which an editor completes the file. It says nothing about the world, and is not written.
+    #[serde(default, rename = "$schema", skip_serializing)]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<String>"))]
+    pub schema: IgnoredAny,
 }
 
 /// One word or a list of words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Words {
     /// A single word, not in a list.

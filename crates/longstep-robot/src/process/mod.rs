@@ -33,6 +33,9 @@ use crate::scope::Scope;
 use crate::stop::StopRequest;
 use longstep_core::environment::Observation;
 
+/// The JSON Schema of the messages between Longstep and the program of a robot.
+pub const SCHEMA: &str = include_str!("robot.schema.json");
+
 pub use message::{LINE_LIMIT, PROTOCOL_VERSION};
 
 /// The time between two looks at timeouts and at the state of the program. Messages are read as they come.

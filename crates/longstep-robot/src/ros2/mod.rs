@@ -36,6 +36,8 @@ use serde_json::{Value, json};
 
 pub use check::{Checked, check};
 pub use configuration::{Configuration, Serving};
+#[cfg(feature = "schema")]
+pub use file::schema;
 pub use trial::{Trial, trials};
 
 use configuration::{ObservationRule, Origin};

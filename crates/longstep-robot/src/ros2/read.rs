@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use longstep_core::diagnostic::{Diagnostic, Diagnostics};
 use longstep_core::secret;
+use longstep_core::spanned::Spanned;
 use serde_json::{Map, Value, json};
-use toml::Spanned;
 
 use super::configuration::{
     ANY, ActionRule, Configuration, Heartbeat, Limits, ObservationRule, Origin, OutcomeRule, SayRule, Service, Serving,

@@ -12,7 +12,7 @@ mod routes;
 mod serve;
 
 pub use access::{Access, Token, TokenError};
-pub use openapi::document;
+pub use openapi::{answer_schema, document};
 pub use serve::{ServeError, ServeOptions, serve};
 
 use std::sync::Arc;

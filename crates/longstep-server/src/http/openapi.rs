@@ -41,6 +41,45 @@ pub fn document() -> Value {
     })
 }
 
+/// Returns the JSON Schema of the object that `plan`, `verify`, `repair` and `solve` print with `--json`.
+///
+/// ```
+/// assert!(longstep_server::http::answer_schema()["properties"]["violations"].is_object());
+/// ```
+pub fn answer_schema() -> Value {
+    let text = SCHEMAS.replace("#/components/schemas/", "#/$defs/");
+    let mut all: Map<String, Value> = serde_json::from_str(&text).unwrap_or_default();
+    let mut schema = all.shift_remove("Answer").unwrap_or_default();
+    let mut wanted = references(&schema);
+    let mut used = Map::new();
+    while let Some(name) = wanted.pop() {
+        if let Some(definition) = all.shift_remove(&name) {
+            wanted.extend(references(&definition));
+            used.insert(name, definition);
+        }
+    }
+    used.sort_keys();
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!("An answer of Longstep: the plan, its steps and what was found");
+    schema["$defs"] = used.into();
+    schema
+}
+
+/// Returns the names of the definitions to which a schema refers.
+fn references(schema: &Value) -> Vec<String> {
+    match schema {
+        Value::Object(keys) => keys
+            .iter()
+            .flat_map(|(key, inner)| match (key.as_str(), inner.as_str()) {
+                ("$ref", Some(path)) => vec![path.trim_start_matches("#/$defs/").to_owned()],
+                _ => references(inner),
+            })
+            .collect(),
+        Value::Array(items) => items.iter().flat_map(references).collect(),
+        _ => Vec::new(),
+    }
+}
+
 fn reference(name: &str) -> Value {
     json!({"$ref": format!("#/components/schemas/{name}")})
 }

@@ -16,6 +16,10 @@ mod violation;
 mod written;
 
 pub use longstep_model::model::StepId;
+
+/// The JSON Schema of a plan file.
+pub const SCHEMA: &str = include_str!("plan.schema.json");
+
 pub use outline::{OutlineLine, outline};
 pub use paper::{ChoiceFile, EndingFile, PlanDomain, PlanFile, PurposeFile, TaskCohesion, endings};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};

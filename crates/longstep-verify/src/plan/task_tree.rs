@@ -1,4 +1,4 @@
-//! JSON form of a written plan: the `task_tree` of `task_cohesion`. The schema is `docs/schema/plan.schema.json`.
+//! JSON form of a written plan: the `task_tree` of `task_cohesion`. The schema is `schemas/plan.schema.json`.
 
 use serde_json::{Map, Value, json};
 

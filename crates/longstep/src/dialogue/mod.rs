@@ -54,3 +54,5 @@ pub use scene::{scene, scene_lists};
 pub use transcript::{Dialogue, DialogueError, Transcript};
 pub(crate) use transcript::{object, one_line, whole};
 pub(crate) use tree_schema::{TreeForms, in_schema, tree_schema};
+#[cfg(feature = "schema")]
+pub(crate) use worked::schema as plans_schema;

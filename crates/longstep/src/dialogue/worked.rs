@@ -3,8 +3,8 @@
 //! An example with a goal is planned when it is rendered, so it always matches its domain. An example with a reply is
 //! verified.
 
+use longstep_core::spanned::Spanned;
 use serde::Deserialize;
-use toml::Spanned;
 
 use super::query::{contained_json, query_text};
 use super::reply::{AnswerText, StateLists};
@@ -18,19 +18,31 @@ use crate::report::{self, Answer, Assessment, Solution, Status};
 use crate::verify::VerifiedPlan;
 use crate::{goal, json};
 
+/// Returns the JSON Schema of `prompt/plans.toml`.
+#[cfg(feature = "schema")]
+pub(crate) fn schema() -> serde_json::Value {
+    longstep_core::schema::of::<PlansFile>("Worked examples of whole plans for Longstep: prompt/plans.toml")
+}
+
+/// Worked examples of whole plans.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct PlansFile {
+    /// The examples.
     #[serde(default)]
     example: Vec<WorkedExample>,
 }
 
 /// An example in the file: it has one of `goal`, `script`, `reply` and `question`.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 // Messages of the parser keep the name `Entry`.
 #[serde(deny_unknown_fields, expecting = "struct Entry")]
 struct WorkedExample {
+    /// The instruction.
     instruction: Spanned<String>,
+    /// The environment.
     environment: Environment,
     /// A goal, for which search finds a shortest plan.
     goal: Option<Spanned<String>>,

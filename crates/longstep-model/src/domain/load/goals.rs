@@ -1,7 +1,7 @@
 //! Rules, goal words, and the costs of repair.
 
+use crate::spanned::Spanned;
 use indexmap::IndexMap;
-use toml::Spanned;
 
 use super::*;
 use crate::call::is_goal_keyword;

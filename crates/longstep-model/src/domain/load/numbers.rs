@@ -1,6 +1,6 @@
 //! Words and ranges of numeric functions.
 
-use toml::Spanned;
+use crate::spanned::Spanned;
 
 use super::super::bare::{is_changed, plain_function};
 use super::*;

@@ -1,6 +1,6 @@
 //! Outcomes of sensing actions, and the conditions on them.
 
-use toml::Spanned;
+use crate::spanned::Spanned;
 
 use super::*;
 

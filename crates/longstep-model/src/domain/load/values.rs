@@ -1,7 +1,7 @@
 //! The value types of a domain: `[value.TYPE]` in `domain.toml`.
 
+use crate::spanned::Spanned;
 use indexmap::IndexMap;
-use toml::Spanned;
 
 use super::super::words::{NumberText, ValueEntry};
 use super::{EnvironmentTypes, Loader, TypeId};

@@ -299,6 +299,7 @@ impl Shape<'_, '_> {
             types: self.field(&fields, "types", |shape, node, path| shape.map(node, path, Self::text))?,
             speaker: self.field(&fields, "speaker", Self::text)?,
             robot: self.field(&fields, "robot", Self::text)?,
+            ..Environment::default()
         })
     }
 

@@ -217,7 +217,7 @@ impl Unreadable {
             Self::SeveralPlans { .. } => "ask which of the plans is meant, or put all steps into one list",
             Self::Malformed { .. } => "ask again for strict JSON, and say what is wrong",
             Self::WrongShape { .. } => "ask again, and say what the value should be",
-            Self::Tree { .. } => "ask again for a tree as docs/schema/plan.schema.json has it, and say what is wrong",
+            Self::Tree { .. } => "ask again for a tree as schemas/plan.schema.json has it, and say what is wrong",
             Self::Script { error, .. } => &error.hint,
             Self::BehaviorTree { hint, .. } => hint,
             Self::Contradiction { .. } => "ask again, and say that every key may stand there once",
