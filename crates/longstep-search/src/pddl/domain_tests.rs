@@ -35,7 +35,10 @@ fn solved(domain: &str, problem: &str) -> (VerifiedPlan, Purpose) {
 #[test]
 fn a_domain_that_was_written_is_read_as_the_same_domain() {
     let shipped = domain::shipped_names().into_iter().map(|name| domain::shipped(name).unwrap().unwrap());
-    let yard = domain::from_pddl("yard.pddl", YARD).unwrap();
+    // Its predicates have other numbers without the derived one.
+    let derived = "(:derived (ready ?t - truck) (and (not (full ?t)) (>= (fuel ?t) 1)))";
+    let yard = YARD.replace(derived, "").replace("(ready ?t)", "(>= (fuel ?t) 1)");
+    let yard = domain::from_pddl("yard.pddl", &yard).unwrap();
     for domain in shipped.chain([yard]) {
         let text = write_domain(&domain).unwrap();
         let again = domain::from_pddl("domain.pddl", &text).unwrap();
@@ -44,9 +47,8 @@ fn a_domain_that_was_written_is_read_as_the_same_domain() {
         for (own, again) in domain.actions.iter().zip(&again.actions) {
             assert_eq!(again.name, own.name);
             assert_eq!(again.parameters, own.parameters);
-            if domain.derived.is_empty() {
-                assert_eq!(again.precondition, own.precondition, "{}", own.name);
-            }
+            let conjuncts = |own: &Condition| own.conjuncts().cloned().collect::<Vec<_>>();
+            assert_eq!(conjuncts(&again.precondition), conjuncts(&own.precondition), "{}", own.name);
             assert_eq!(again.effects, own.effects, "{}", own.name);
             assert_eq!(again.numeric, own.numeric, "{}", own.name);
             assert_eq!(again.cost, own.cost, "{}", own.name);
