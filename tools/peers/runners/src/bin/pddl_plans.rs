@@ -1,0 +1,162 @@
+//! Our side of `tools/peers/pddl_plans.py`: the plans of all shipped suites in PDDL, and verdicts on changed ones.
+//!
+//! `pddl_plans FOLDER EVERY` writes every EVERYth sequential plan with its domain and problem into a folder of its own, and one JSON
+//! object to a line for each. A line `{"done": ...}` follows, with the number of plans that have no such form. Then each line of the
+//! input, `NUMBER PLAN` with a tab between, gets a verdict on the plan in that file for the task of that number: in the world from
+//! which the task was written, and in the one that is read back from its files.
+#![allow(clippy::print_stdout)]
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use longstep_core::domain;
+use longstep_core::environment::World;
+use longstep_core::model::{State, changed_facts};
+use longstep_core::pddl::{self, SolvedTask};
+use longstep_core::plan::{Plan, Step};
+use longstep_core::search::{GroundAction, Limits, Outcome, solve};
+use longstep_core::verify::{Purpose, Report, VerifiedPlan, check};
+use longstep_eval::suite::{self, Suite};
+use serde_json::{Value, json};
+
+type Anyhow<T> = Result<T, Box<dyn Error>>;
+
+/// Every so many plans are written without their goal, so that the problem has what the plan changes.
+const WITHOUT_GOAL: usize = 4;
+
+/// A plan, and the task that it solves.
+struct Solved {
+    plan: VerifiedPlan,
+    purpose: Purpose,
+    /// False if the task has what the plan changes as its goal.
+    has_goal: bool,
+    folder: PathBuf,
+}
+
+fn main() -> Anyhow<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [folder, every] = &arguments[..] else {
+        return Err("usage: pddl_plans FOLDER EVERY".into());
+    };
+    let tasks = write_all(Path::new(folder), every.parse::<usize>()?.max(1))?;
+    for line in std::io::stdin().lines() {
+        let line = line?;
+        let (number, file) = line.split_once('\t').ok_or("not a number and a file")?;
+        let task = tasks.get(number.parse::<usize>()?).ok_or("no such task")?;
+        println!("{}", verdict(task, &std::fs::read_to_string(file)?)?);
+    }
+    Ok(())
+}
+
+fn write_all(folder: &Path, every: usize) -> Anyhow<Vec<Solved>> {
+    let (mut tasks, mut plans, mut branching) = (Vec::new(), 0, 0);
+    let mut unwritable: BTreeMap<String, usize> = BTreeMap::new();
+    for name in suite::shipped_names() {
+        let files = suite::shipped(name).ok_or("no such suite")?;
+        let domain = longstep::domain::shipped(&suite::domain_name(&files)?)?.ok_or("no such domain")?;
+        let suite = suite::load(&files, &domain)?;
+        for (plan, purpose) in plans_of(&suite)? {
+            plans += 1;
+            if !plan.plan().is_sequence() {
+                branching += 1;
+                continue;
+            }
+            if (plans - 1) % every != 0 {
+                continue;
+            }
+            let has_goal = (plans - 1) / every % WITHOUT_GOAL != WITHOUT_GOAL - 1;
+            let folder = folder.join(format!("{:04}", tasks.len()));
+            let none = Purpose::default();
+            match SolvedTask::write(&plan, if has_goal { &purpose } else { &none }, &format!("plan-{plans}")) {
+                Ok(task) => {
+                    std::fs::create_dir_all(&folder)?;
+                    for (name, text) in task.files() {
+                        std::fs::write(folder.join(name), text)?;
+                    }
+                    let line = json!({"number": tasks.len(), "suite": name, "domain": domain.name, "folder": folder,
+                        "steps": plan.steps().len(), "has_goal": has_goal});
+                    println!("{line}");
+                    tasks.push(Solved {
+                        plan,
+                        purpose,
+                        has_goal,
+                        folder,
+                    });
+                }
+                Err(error) => *unwritable.entry(error.to_string()).or_default() += 1,
+            }
+        }
+    }
+    println!("{}", json!({"done": tasks.len(), "plans": plans, "branching": branching, "unwritable": unwritable}));
+    Ok(tasks)
+}
+
+/// Returns the plan for each instruction of a suite that has one, with its purpose.
+fn plans_of(suite: &Suite) -> Anyhow<Vec<(VerifiedPlan, Purpose)>> {
+    let mut plans = Vec::new();
+    for case in &suite.cases {
+        let mut world = suite.world(case);
+        let judged = &suite.judged[&case.scene];
+        for step in &case.steps {
+            world.share_values(judged);
+            let goal = step.expected.goals().first();
+            let Some(goal) = goal.and_then(|goal| goal.carried(world.domain(), judged, &world)) else {
+                continue;
+            };
+            let purpose = goal.purpose(&world);
+            let Outcome::Solved { plan, .. } = solve(&world, &purpose, &Limits::default()) else {
+                continue;
+            };
+            let plan = check(&world, plan, &purpose)
+                .into_verified()
+                .map_err(|report| format!("{}: {:?}", case.id, report.violations))?;
+            world = world.after(plan.ending());
+            plans.push((plan, purpose));
+        }
+    }
+    Ok(plans)
+}
+
+/// Returns whether a plan is executable and reaches the goal, in the world of the task and in the one of its files.
+fn verdict(task: &Solved, text: &str) -> Anyhow<Value> {
+    let own = match simulated(task.plan.world(), text, if task.has_goal { &task.purpose } else { &Purpose::default() }) {
+        Ok(report) => {
+            let misses_changes = !task.has_goal && misses(task, &report.ending().after);
+            let mut reasons = messages(&report);
+            reasons.extend(misses_changes.then(|| "the plan misses what the first one changed".to_owned()));
+            reasons
+        }
+        Err(reason) => vec![reason],
+    };
+    let read = |name: &str| std::fs::read_to_string(task.folder.join(name));
+    let domain = domain::from_pddl("domain.pddl", &read("domain.pddl")?)?;
+    let problem = pddl::read_problem(&domain, "problem.pddl", &read("problem.pddl")?)?;
+    let back = match simulated(&problem.world, text, &Purpose::from(&problem)) {
+        Ok(report) => messages(&report),
+        Err(reason) => vec![reason],
+    };
+    Ok(json!({"valid": own.is_empty(), "valid_read_back": back.is_empty(), "reasons": own, "reasons_read_back": back}))
+}
+
+fn simulated(world: &World, text: &str, purpose: &Purpose) -> Result<Report, String> {
+    let steps = pddl::read_plan(world, "plan.pddl", text).map_err(|findings| findings.to_string())?.steps;
+    let step = |own: GroundAction| Step::explained(world, own.action, own.arguments);
+    Ok(check(world, steps.into_iter().map(step).collect::<Plan>(), purpose))
+}
+
+fn messages(report: &Report) -> Vec<String> {
+    let violations = report.violations.iter();
+    violations
+        .map(|own| own.message(&report.world, report.plan.steps(), None))
+        .collect()
+}
+
+/// Returns true if a final state lacks a change of the task's own plan.
+fn misses(task: &Solved, after: &State) -> bool {
+    let ending = &task.plan.ending().after;
+    let start = &task.plan.world().state;
+    let facts = changed_facts(start, ending);
+    facts.iter().any(|change| after.holds(change.fact) != change.now_holds)
+        || ending.numbers().iter().any(|(own, number)| start.number(*own) != Some(*number) && after.number(*own) != Some(*number))
+}
