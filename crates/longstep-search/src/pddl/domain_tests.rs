@@ -22,6 +22,8 @@ const YARD: &str = "(define (domain yard) (:requirements :adl :fluents :derived-
 const DAY: &str = "(define (problem day) (:domain yard) (:objects lorry - truck box - crate bay - place)
   (:init (at lorry hub) (at box hub) (loaded box) (= (fuel lorry) 1)) (:goal (and (at box bay) (sealed box))))";
 
+const SHELF: &str = "(define (domain shelf) (:predicates (on ?x)) (:action put :parameters (?x) :effect (on ?x)))";
+
 fn solved(domain: &str, problem: &str) -> (VerifiedPlan, Purpose) {
     let domain = domain::from_pddl("domain.pddl", domain).unwrap();
     let problem = read_problem(&domain, "problem.pddl", problem).unwrap();
@@ -121,5 +123,10 @@ fn an_object_has_no_name_that_another_parser_refuses() {
     let household = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<bin>", "<and>"], "objects": ["<Name>", "at", "<o'b [x]>", "<purée 7>"]}"#;
     let names = object_names(&testing::world_of(&household, text));
-    assert_eq!(names, ["bin-2", "and-2", "name-2", "at", "o_b__x_", "pur_e_7"]);
+    assert_eq!(names, ["bin-2", "and-2", "name-2", "at-2", "o_b__x_", "pur_e_7"]);
+    // A plan for a problem of others has the names of that problem.
+    let domain = domain::from_pddl("domain.pddl", SHELF).unwrap();
+    let problem = "(define (problem p) (:domain shelf) (:objects name on) (:init) (:goal (on name)))";
+    let world = read_problem(&domain, "problem.pddl", problem).unwrap().world;
+    assert_eq!(object_names(&world), ["name", "on"]);
 }

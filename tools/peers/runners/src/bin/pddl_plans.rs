@@ -11,7 +11,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use longstep_core::domain;
-use longstep_core::environment::World;
+use longstep_core::environment::{self, World};
+use longstep_core::goal;
 use longstep_core::model::{State, changed_facts};
 use longstep_core::pddl::{self, SolvedTask};
 use longstep_core::plan::{Plan, Step};
@@ -49,47 +50,92 @@ fn main() -> Anyhow<()> {
     Ok(())
 }
 
+/// The tasks that were written, and the numbers of plans that were not.
+#[derive(Default)]
+struct Written {
+    tasks: Vec<Solved>,
+    plans: usize,
+    branching: usize,
+    unwritable: BTreeMap<String, usize>,
+}
+
 fn write_all(folder: &Path, every: usize) -> Anyhow<Vec<Solved>> {
-    let (mut tasks, mut plans, mut branching) = (Vec::new(), 0, 0);
-    let mut unwritable: BTreeMap<String, usize> = BTreeMap::new();
+    let mut written = Written::default();
     for name in suite::shipped_names() {
         let files = suite::shipped(name).ok_or("no such suite")?;
         let domain = longstep::domain::shipped(&suite::domain_name(&files)?)?.ok_or("no such domain")?;
         let suite = suite::load(&files, &domain)?;
         for (plan, purpose) in plans_of(&suite)? {
-            plans += 1;
+            written.plans += 1;
             if !plan.plan().is_sequence() {
-                branching += 1;
-                continue;
-            }
-            if (plans - 1) % every != 0 {
-                continue;
-            }
-            let has_goal = (plans - 1) / every % WITHOUT_GOAL != WITHOUT_GOAL - 1;
-            let folder = folder.join(format!("{:04}", tasks.len()));
-            let none = Purpose::default();
-            match SolvedTask::write(&plan, if has_goal { &purpose } else { &none }, &format!("plan-{plans}")) {
-                Ok(task) => {
-                    std::fs::create_dir_all(&folder)?;
-                    for (name, text) in task.files() {
-                        std::fs::write(folder.join(name), text)?;
-                    }
-                    let line = json!({"number": tasks.len(), "suite": name, "domain": domain.name, "folder": folder,
-                        "steps": plan.steps().len(), "has_goal": has_goal});
-                    println!("{line}");
-                    tasks.push(Solved {
-                        plan,
-                        purpose,
-                        has_goal,
-                        folder,
-                    });
-                }
-                Err(error) => *unwritable.entry(error.to_string()).or_default() += 1,
+                written.branching += 1;
+            } else if (written.plans - 1).is_multiple_of(every) {
+                written.write(folder, name, plan, purpose)?;
             }
         }
     }
+    let (plan, purpose) = plan_with_odd_names()?;
+    written.write(folder, "odd-names", plan, purpose)?;
+    let Written {
+        tasks,
+        plans,
+        branching,
+        unwritable,
+    } = written;
     println!("{}", json!({"done": tasks.len(), "plans": plans, "branching": branching, "unwritable": unwritable}));
     Ok(tasks)
+}
+
+impl Written {
+    fn write(&mut self, folder: &Path, suite: &str, plan: VerifiedPlan, purpose: Purpose) -> Anyhow<()> {
+        let number = self.tasks.len();
+        let has_goal = number % WITHOUT_GOAL != WITHOUT_GOAL - 1;
+        let folder = folder.join(format!("{number:04}"));
+        let none = Purpose::default();
+        let goal = if has_goal { &purpose } else { &none };
+        match SolvedTask::write(&plan, goal, &format!("{suite}-{number}")) {
+            Ok(task) => {
+                std::fs::create_dir_all(&folder)?;
+                for (name, text) in task.files() {
+                    std::fs::write(folder.join(name), text)?;
+                }
+                let domain = &plan.world().domain().name;
+                println!("{}", json!({"number": number, "domain": domain, "folder": folder}));
+                self.tasks.push(Solved {
+                    plan,
+                    purpose,
+                    has_goal,
+                    folder,
+                });
+            }
+            Err(error) => *self.unwritable.entry(error.to_string()).or_default() += 1,
+        }
+        Ok(())
+    }
+}
+
+/// Returns a plan over entities whose names are keywords, names of predicates, not ASCII, very long, or differ in case only.
+fn plan_with_odd_names() -> Anyhow<(VerifiedPlan, Purpose)> {
+    let domain = longstep::domain::shipped("household")?.ok_or("no such domain")?;
+    let long = format!("<{}>", "n".repeat(198));
+    let text = json!({
+        "assets": ["<bin>", "<and>", "<table>", "<Table>", long],
+        "objects": ["<o'brien [x]>", "<杯子>", "<number>", "<7>", "<define>"],
+        "object_states": {
+            "<o'brien [x]>": "on_something(<and>)", "<杯子>": "on_something(<bin>)", "<number>": format!("on_something({long})"),
+            "<7>": "on_something(<Table>)", "<define>": "on_something(<table>)",
+        },
+    });
+    let world = environment::parse(&domain, "odd-names.json", &text.to_string())?;
+    let places = ["<bin>", "<Table>", "<table>", "<and>", long.as_str()];
+    let objects = ["<o'brien [x]>", "<杯子>", "<number>", "<7>", "<define>"];
+    let facts = objects.iter().zip(places).map(|(object, place)| format!("put({object}, {place})"));
+    let purpose = goal::parse(&world, &facts.collect::<Vec<_>>().join(" & "))?.purpose(&world);
+    let Outcome::Solved { plan, .. } = solve(&world, &purpose, &Limits::default()) else {
+        return Err("the task with odd names has no plan".into());
+    };
+    let plan = check(&world, plan, &purpose).into_verified();
+    Ok((plan.map_err(|report| format!("{:?}", report.violations))?, purpose))
 }
 
 /// Returns the plan for each instruction of a suite that has one, with its purpose.
