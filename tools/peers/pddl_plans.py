@@ -190,6 +190,8 @@ def solve_all(ours: Ours, found: Comparison) -> None:
     """Fast Downward solves each task, and our verifier accepts its plan."""
 
     def solve(task: Task) -> fast_downward.Answer:
+        if ":fluents" in task.files[0].read_text():
+            return fast_downward.Answer("reads no numbers", "", 0.0)
         return fast_downward.solve(*task.files, fast_downward.FIRST, SEARCH_LIMIT)
 
     with ThreadPoolExecutor(2) as pool:

@@ -26,9 +26,11 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
             .into());
     }
     if arguments.folder.is_some() && arguments.format != PlanFormat::Pddl {
-        return Err(Failure::unreadable("`--folder` is for PDDL, whose domain, problem and plan are three files")
-            .hint("use it with `--format pddl`, or write the output to a file: `> FILE`")
-            .into());
+        return Err(
+            Failure::unreadable("`--folder` is for PDDL, whose domain, problem and plan are three files")
+                .hint("use it with `--format pddl`, or write the output to a file: `> FILE`")
+                .into(),
+        );
     }
     let mut draft = Draft::read(&arguments.draft)?;
     if let Some(goal) = &arguments.goal {
@@ -86,7 +88,8 @@ fn write(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, an
 }
 
 /// The first line of the files of a task, which only this program writes and replaces.
-const MARK: &str = "; Written by longstep export: domain.pddl, problem.pddl and plan.pddl of this folder belong together.\n";
+const MARK: &str =
+    "; Written by longstep export: domain.pddl, problem.pddl and plan.pddl of this folder belong together.\n";
 
 /// Writes a plan with its domain and problem in PDDL, and prints the paths.
 fn write_task(arguments: &ExportArguments, folder: &Path, draft: &Draft, verified: &VerifiedPlan) -> Result<()> {

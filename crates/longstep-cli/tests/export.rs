@@ -173,7 +173,18 @@ fn a_plan_its_domain_and_its_problem_go_into_a_folder_and_belong_together() {
     // The same again changes nothing, and neither does a goal that the plan misses.
     assert_eq!(exported(script, &WORLD, &folder), [domain, problem, plan.clone()]);
     let goal = [&["--goal", "put(yoghurt, trash_bin)"][..], &WORLD[..]].concat();
-    let arguments = [&["export", script, "--format", "pddl", "--folder", folder.to_str().unwrap()][..], &goal[..]].concat();
+    let arguments = [
+        &[
+            "export",
+            script,
+            "--format",
+            "pddl",
+            "--folder",
+            folder.to_str().unwrap(),
+        ][..],
+        &goal[..],
+    ]
+    .concat();
     assert_eq!(longstep(&arguments).0, 10);
     assert_eq!(std::fs::read_to_string(folder.join("plan.pddl")).unwrap(), plan);
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3);
@@ -186,10 +197,20 @@ fn files_of_others_are_not_replaced_by_an_export() {
     let folder = there.path().join("task");
     std::fs::create_dir(&folder).unwrap();
     std::fs::write(folder.join("domain.pddl"), "(define (domain mine))").unwrap();
-    let arguments = ["export", &plan, "--format", "pddl", "--folder", folder.to_str().unwrap()];
+    let arguments = [
+        "export",
+        &plan,
+        "--format",
+        "pddl",
+        "--folder",
+        folder.to_str().unwrap(),
+    ];
     let (code, stdout, stderr) = longstep(&arguments);
     assert_eq!((code, stdout.as_str()), (30, ""));
-    assert!(stderr.contains("domain.pddl exists, and another program or a person wrote it"), "{stderr}");
+    assert!(
+        stderr.contains("domain.pddl exists, and another program or a person wrote it"),
+        "{stderr}"
+    );
     assert!(stderr.contains("hint: name another folder"), "{stderr}");
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
     let (code, _, stderr) = longstep(&["export", &plan, "--format", "bt", "--folder", "x"]);
@@ -204,8 +225,14 @@ fn any_names_have_a_form_in_pddl() {
     // The purpose in the plan file is the goal.
     assert!(!problem.contains("made without a goal"), "{problem}");
     assert!(problem.contains("(define (problem a_plan___x_)"), "{problem}");
-    assert!(problem.contains("bin-2 - asset ; <bin>") && problem.contains("and-2 - asset ; <and>"), "{problem}");
+    assert!(
+        problem.contains("bin-2 - asset ; <bin>") && problem.contains("and-2 - asset ; <and>"),
+        "{problem}"
+    );
     let legal = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_() \n".contains(c);
     let steps = plan.split_once('\n').unwrap().1;
-    assert!(steps.chars().all(legal) && steps.contains("(move-hand-over-place bin-2"), "{steps}");
+    assert!(
+        steps.chars().all(legal) && steps.contains("(move-hand-over-place bin-2"),
+        "{steps}"
+    );
 }

@@ -80,7 +80,11 @@ fn create(folder: &Path, files: &[(&str, &str)]) -> Result<(), FileSetError> {
     Ok(())
 }
 
-fn replace<'t>(paths: &[PathBuf], mark: &str, texts: impl Iterator<Item = &'t str> + Clone) -> Result<(), FileSetError> {
+fn replace<'t>(
+    paths: &[PathBuf],
+    mark: &str,
+    texts: impl Iterator<Item = &'t str> + Clone,
+) -> Result<(), FileSetError> {
     for (path, text) in paths.iter().zip(texts.clone()) {
         match std::fs::read(path) {
             Ok(there) if there.starts_with(mark.as_bytes()) || there == text.as_bytes() => {}
@@ -135,7 +139,10 @@ mod tests {
         assert_eq!(std::fs::read_to_string(folder.join("y")).unwrap(), "; ours\n4");
         std::fs::write(folder.join("y"), "mine").unwrap();
         let error = write_file_set(folder, MARK, &[("x", "; ours\n5"), ("y", "; ours\n6")]).unwrap_err();
-        assert!(matches!(&error, FileSetError::Foreign(path) if *path == folder.join("y")), "{error}");
+        assert!(
+            matches!(&error, FileSetError::Foreign(path) if *path == folder.join("y")),
+            "{error}"
+        );
         // Nothing was written.
         assert_eq!(std::fs::read_to_string(folder.join("x")).unwrap(), "; ours\n3");
         write_file_set(folder, MARK, &[("x", "; ours\n5"), ("y", "mine")]).unwrap();
@@ -151,7 +158,10 @@ mod tests {
         std::fs::remove_file(folder.join("x")).unwrap();
         std::os::unix::fs::symlink("nowhere/x", folder.join("x")).unwrap();
         let error = write_file_set(folder, MARK, &[("x", "; ours\n3"), ("y", "; ours\n4")]).unwrap_err();
-        assert!(matches!(&error, FileSetError::Io(path, _) if *path == folder.join("x")), "{error}");
+        assert!(
+            matches!(&error, FileSetError::Io(path, _) if *path == folder.join("x")),
+            "{error}"
+        );
         assert_eq!(names(folder), ["x"]);
         let file = folder.join("file");
         std::fs::write(&file, "").unwrap();

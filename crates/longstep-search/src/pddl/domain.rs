@@ -188,7 +188,10 @@ impl ActionWriter<'_> {
 
     fn effect(&self) -> Result<String, WriteError> {
         let mut parts = Vec::new();
-        let groups = self.action.effects.chunk_by(|one, other| one.forall == other.forall && one.condition == other.condition);
+        let groups = self
+            .action
+            .effects
+            .chunk_by(|one, other| one.forall == other.forall && one.condition == other.condition);
         for group in groups {
             let Effect { forall, condition, .. } = &group[0];
             let changes = group.iter().map(|effect| self.change(effect));
@@ -269,7 +272,11 @@ impl ActionWriter<'_> {
     }
 
     fn quantifier(&self, word: &str, slot: Slot, kind: TypeId, inner: &Condition) -> Result<String, WriteError> {
-        Ok(format!("({word} ({}) {})", self.quantified(slot, kind), self.condition(inner)?))
+        Ok(format!(
+            "({word} ({}) {})",
+            self.quantified(slot, kind),
+            self.condition(inner)?
+        ))
     }
 
     /// Writes a requirement on numbers. A planner knows a number wherever a comparison with it holds, so the requirement that it is
@@ -292,7 +299,12 @@ impl ActionWriter<'_> {
             Arithmetic::Constant(number) => number.to_string(),
             Arithmetic::Value(own) => self.application(own)?,
             Arithmetic::Operation(operation, left, right) => {
-                format!("({} {} {})", operation.symbol(), self.number(left)?, self.number(right)?)
+                format!(
+                    "({} {} {})",
+                    operation.symbol(),
+                    self.number(left)?,
+                    self.number(right)?
+                )
             }
         })
     }

@@ -36,7 +36,9 @@ fn solved(domain: &str, problem: &str) -> (VerifiedPlan, Purpose) {
 
 #[test]
 fn a_domain_that_was_written_is_read_as_the_same_domain() {
-    let shipped = domain::shipped_names().into_iter().map(|name| domain::shipped(name).unwrap().unwrap());
+    let shipped = domain::shipped_names()
+        .into_iter()
+        .map(|name| domain::shipped(name).unwrap().unwrap());
     // Its predicates have other numbers without the derived one.
     let derived = "(:derived (ready ?t - truck) (and (not (full ?t)) (>= (fuel ?t) 1)))";
     let yard = YARD.replace(derived, "").replace("(ready ?t)", "(>= (fuel ?t) 1)");
@@ -50,7 +52,12 @@ fn a_domain_that_was_written_is_read_as_the_same_domain() {
             assert_eq!(again.name, own.name);
             assert_eq!(again.parameters, own.parameters);
             let conjuncts = |own: &Condition| own.conjuncts().cloned().collect::<Vec<_>>();
-            assert_eq!(conjuncts(&again.precondition), conjuncts(&own.precondition), "{}", own.name);
+            assert_eq!(
+                conjuncts(&again.precondition),
+                conjuncts(&own.precondition),
+                "{}",
+                own.name
+            );
             assert_eq!(again.effects, own.effects, "{}", own.name);
             assert_eq!(again.numeric, own.numeric, "{}", own.name);
             assert_eq!(again.cost, own.cost, "{}", own.name);
@@ -89,13 +96,22 @@ fn a_solved_task_is_solved_after_it_was_read_back() {
         let step = |own: crate::search::GroundAction| {
             longstep_verify::plan::Step::explained(&problem.world, own.action, own.arguments)
         };
-        let report = check(&problem.world, steps.into_iter().map(step).collect(), &Purpose::from(&problem));
+        let report = check(
+            &problem.world,
+            steps.into_iter().map(step).collect(),
+            &Purpose::from(&problem),
+        );
         assert_eq!(report.violations, vec![]);
     }
     let task = SolvedTask::write(&plan, &Purpose::default(), "day").unwrap();
     let goal = "  ; The plan was made without a goal: this one is what it changes.\n  (:goal (and\n    ";
     assert!(task.problem.contains(goal), "{}", task.problem);
-    for part in ["(at box bay)", "(not (at box hub))", "(sealed box)", "(= (fuel lorry) 0.5)"] {
+    for part in [
+        "(at box bay)",
+        "(not (at box hub))",
+        "(sealed box)",
+        "(= (fuel lorry) 0.5)",
+    ] {
         let (_, goal) = task.problem.split_once(goal).unwrap();
         assert!(goal.contains(part), "{part}\n{}", task.problem);
     }

@@ -165,7 +165,11 @@ fn changes(world: &World, names: &[String], ending: &State) -> Vec<String> {
     let domain = world.domain();
     let facts = changed_facts(&world.state, ending).into_iter().map(|change| {
         let atom = atom(domain, names, change.fact);
-        if change.now_holds { atom } else { format!("(not {atom})") }
+        if change.now_holds {
+            atom
+        } else {
+            format!("(not {atom})")
+        }
     });
     let numbers = ending.numbers().iter();
     let numbers = numbers.filter(|(own, number)| world.state.number(*own) != Some(*number));

@@ -63,7 +63,7 @@ fn write_all(folder: &Path, every: usize) -> Anyhow<Vec<Solved>> {
     let mut written = Written::default();
     for name in suite::shipped_names() {
         let files = suite::shipped(name).ok_or("no such suite")?;
-        let domain = longstep::domain::shipped(&suite::domain_name(&files)?)?.ok_or("no such domain")?;
+        let domain = longstep::domain::shipped(&suite::domain_name(&files)?).ok_or("no such domain")??;
         let suite = suite::load(&files, &domain)?;
         for (plan, purpose) in plans_of(&suite)? {
             written.plans += 1;
@@ -76,13 +76,18 @@ fn write_all(folder: &Path, every: usize) -> Anyhow<Vec<Solved>> {
     }
     let (plan, purpose) = plan_with_odd_names()?;
     written.write(folder, "odd-names", plan, purpose)?;
+    let (plan, purpose) = plan_with_numbers()?;
+    written.write(folder, "numbers", plan, purpose)?;
     let Written {
         tasks,
         plans,
         branching,
         unwritable,
     } = written;
-    println!("{}", json!({"done": tasks.len(), "plans": plans, "branching": branching, "unwritable": unwritable}));
+    println!(
+        "{}",
+        json!({"done": tasks.len(), "plans": plans, "branching": branching, "unwritable": unwritable})
+    );
     Ok(tasks)
 }
 
@@ -116,7 +121,7 @@ impl Written {
 
 /// Returns a plan over entities whose names are keywords, names of predicates, not ASCII, very long, or differ in case only.
 fn plan_with_odd_names() -> Anyhow<(VerifiedPlan, Purpose)> {
-    let domain = longstep::domain::shipped("household")?.ok_or("no such domain")?;
+    let domain = longstep::domain::shipped("household").ok_or("no such domain")??;
     let long = format!("<{}>", "n".repeat(198));
     let text = json!({
         "assets": ["<bin>", "<and>", "<table>", "<Table>", long],
@@ -129,13 +134,49 @@ fn plan_with_odd_names() -> Anyhow<(VerifiedPlan, Purpose)> {
     let world = environment::parse(&domain, "odd-names.json", &text.to_string())?;
     let places = ["<bin>", "<Table>", "<table>", "<and>", long.as_str()];
     let objects = ["<o'brien [x]>", "<杯子>", "<number>", "<7>", "<define>"];
-    let facts = objects.iter().zip(places).map(|(object, place)| format!("put({object}, {place})"));
+    let facts = objects
+        .iter()
+        .zip(places)
+        .map(|(object, place)| format!("put({object}, {place})"));
     let purpose = goal::parse(&world, &facts.collect::<Vec<_>>().join(" & "))?.purpose(&world);
-    let Outcome::Solved { plan, .. } = solve(&world, &purpose, &Limits::default()) else {
-        return Err("the task with odd names has no plan".into());
+    Ok((solved(&world, &purpose)?, purpose))
+}
+
+/// A domain with what no shipped one has: numbers, costs, a derived predicate, and an argument of a supertype.
+const YARD: &str = "(define (domain yard) (:requirements :adl :fluents :derived-predicates)
+  (:types crate truck - thing place) (:constants hub - place)
+  (:predicates (at ?x - thing ?p - place) (full ?t - truck) (sealed ?c - crate) (loaded ?x - thing))
+  (:functions (fuel ?t - truck) (total-cost))
+  (:derived (ready ?t - truck) (and (not (full ?t)) (>= (fuel ?t) 1)))
+  (:action drive :parameters (?t - truck ?from ?to - place)
+    :precondition (and (at ?t ?from) (ready ?t) (not (= ?from ?to)))
+    :effect (and (at ?t ?to) (not (at ?t ?from)) (decrease (fuel ?t) 0.5) (increase (total-cost) 3)
+      (forall (?c - crate) (when (loaded ?c) (and (at ?c ?to) (not (at ?c ?from)))))))
+  (:action fill :parameters (?t - truck)
+    :precondition (and (at ?t hub) (< (fuel ?t) 1)) :effect (and (assign (fuel ?t) 2) (increase (total-cost) 1)))
+  (:action load :parameters (?c - crate ?t - truck ?p - place)
+    :precondition (and (at ?c ?p) (at ?t ?p)) :effect (and (loaded ?c) (increase (total-cost) 1)))
+  (:action seal :parameters (?x - thing)
+    :precondition (and (imply (full ?x) (at ?x hub)) (exists (?p - place) (at ?x ?p)))
+    :effect (and (sealed ?x) (increase (total-cost) 1))))";
+
+const DAY: &str = "(define (problem day) (:domain yard) (:objects lorry - truck box chest - crate bay dock - place)
+  (:init (at lorry hub) (at box hub) (at chest bay) (= (fuel lorry) 0.5))
+  (:goal (and (at box dock) (at chest dock) (sealed box))))";
+
+fn plan_with_numbers() -> Anyhow<(VerifiedPlan, Purpose)> {
+    let domain = domain::from_pddl("yard.pddl", YARD)?;
+    let problem = pddl::read_problem(&domain, "day.pddl", DAY)?;
+    let purpose = Purpose::from(&problem);
+    Ok((solved(&problem.world, &purpose)?, purpose))
+}
+
+fn solved(world: &World, purpose: &Purpose) -> Anyhow<VerifiedPlan> {
+    let Outcome::Solved { plan, .. } = solve(world, purpose, &Limits::default()) else {
+        return Err("this task has no plan".into());
     };
-    let plan = check(&world, plan, &purpose).into_verified();
-    Ok((plan.map_err(|report| format!("{:?}", report.violations))?, purpose))
+    let plan = check(world, plan, purpose).into_verified();
+    Ok(plan.map_err(|report| format!("{:?}", report.violations))?)
 }
 
 /// Returns the plan for each instruction of a suite that has one, with its purpose.
@@ -166,7 +207,9 @@ fn plans_of(suite: &Suite) -> Anyhow<Vec<(VerifiedPlan, Purpose)>> {
 
 /// Returns whether a plan is executable and reaches the goal, in the world of the task and in the one of its files.
 fn verdict(task: &Solved, text: &str) -> Anyhow<Value> {
-    let own = match simulated(task.plan.world(), text, if task.has_goal { &task.purpose } else { &Purpose::default() }) {
+    let none = Purpose::default();
+    let purpose = if task.has_goal { &task.purpose } else { &none };
+    let own = match simulated(task.plan.world(), text, purpose) {
         Ok(report) => {
             let misses_changes = !task.has_goal && misses(task, &report.ending().after);
             let mut reasons = messages(&report);
@@ -186,7 +229,9 @@ fn verdict(task: &Solved, text: &str) -> Anyhow<Value> {
 }
 
 fn simulated(world: &World, text: &str, purpose: &Purpose) -> Result<Report, String> {
-    let steps = pddl::read_plan(world, "plan.pddl", text).map_err(|findings| findings.to_string())?.steps;
+    let steps = pddl::read_plan(world, "plan.pddl", text)
+        .map_err(|findings| findings.to_string())?
+        .steps;
     let step = |own: GroundAction| Step::explained(world, own.action, own.arguments);
     Ok(check(world, steps.into_iter().map(step).collect::<Plan>(), purpose))
 }
@@ -204,5 +249,8 @@ fn misses(task: &Solved, after: &State) -> bool {
     let start = &task.plan.world().state;
     let facts = changed_facts(start, ending);
     facts.iter().any(|change| after.holds(change.fact) != change.now_holds)
-        || ending.numbers().iter().any(|(own, number)| start.number(*own) != Some(*number) && after.number(*own) != Some(*number))
+        || ending
+            .numbers()
+            .iter()
+            .any(|(own, number)| start.number(*own) != Some(*number) && after.number(*own) != Some(*number))
 }
