@@ -178,10 +178,8 @@ impl ActionWriter<'_> {
             action.name,
             parameters.collect::<Vec<_>>().join(" ")
         );
-        let precondition = self.condition(&action.precondition)?;
-        if precondition != "(and)" {
-            let _ = writeln!(text, "    :precondition {precondition}");
-        }
+        // VAL cannot read a domain in which an action has no precondition.
+        let _ = writeln!(text, "    :precondition {}", self.condition(&action.precondition)?);
         let _ = writeln!(text, "    :effect {})", self.effect()?);
         Ok(text)
     }
