@@ -244,6 +244,9 @@ def changed(task: Task, chance: random.Random) -> tuple[str, list[str]]:
     """A plan with one change, seldom two, and the name of the first."""
     lines, first = task.steps(), None
     for _ in range(chance.choice((1, 1, 1, 2))):
+        # Two changes may have left nothing.
+        if not lines:
+            break
         fitting = [change for change in CHANGES if len(lines) > 1 or change in ("argument", "double")]
         change = chance.choice(fitting)
         first = first or change
