@@ -232,7 +232,7 @@ fn any_names_have_a_form_in_pddl() {
     let legal = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_() \n".contains(c);
     let steps = plan.split_once('\n').unwrap().1;
     assert!(
-        steps.chars().all(legal) && steps.contains("(move-hand-over-place bin-2"),
+        steps.chars().all(legal) && steps.contains("(move-object o_brien__x_ bin-2)"),
         "{steps}"
     );
 }
