@@ -35,8 +35,10 @@ class Answer:
         return sum(line.startswith("(") for line in self.plan.splitlines())
 
 
-def solve(domain: Path, problem: Path, configuration: list[str], limit: int | None = None) -> Answer:
-    """Runs Fast Downward on a task, for at most `limit` seconds of search."""
+def solve(
+    domain: Path, problem: Path, configuration: list[str], limit: int | None = None, translation: int = 60
+) -> Answer:
+    """Runs Fast Downward on a task, for at most `limit` seconds of search and, if there is a limit, `translation` before it."""
     driver = wheels.fetch(wheels.FAST_DOWNWARD) / "fast-downward.py"
     with tempfile.TemporaryDirectory() as folder:
         plan = Path(folder) / "plan"
@@ -51,7 +53,7 @@ def solve(domain: Path, problem: Path, configuration: list[str], limit: int | No
         )
         try:
             # Its translator has no limit of its own, and may need one.
-            out, err = process.communicate(timeout=None if limit is None else limit + 60)
+            out, err = process.communicate(timeout=None if limit is None else limit + translation)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()

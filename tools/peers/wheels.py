@@ -1,6 +1,6 @@
-"""Fetches what we compare with: two wheels of the Python package index, pinned, checked and unzipped.
+"""Fetches what we compare with: wheels of the Python package index, pinned, checked and unzipped.
 
-Nothing of them is installed or imported. They lie in a cache folder outside the clone and are never part of it:
+Nothing of them is installed, and only programs of their own import them. They lie in a cache folder outside the clone and are never part of it:
 Fast Downward is under the GPL and is only ever run as a program of its own.
 """
 
@@ -36,6 +36,25 @@ VIRTUALHOME = Wheel(
     "1.0.5",
     "fe09f2a84cfb2451e111d02a2fa57e18797e747b73de23cb036d0d4e6502099f",
     "virtualhome_eval/resources/virtualhome/",
+)
+# With what its reader of PDDL needs.
+UNIFIED_PLANNING = Wheel(
+    "unified-planning",
+    "1.3.0",
+    "3ad9c790d238a12ce1dfd25f564e728d98350a0b4b79d3beb60978f95487fa46",
+    "",
+)
+PYPARSING = Wheel(
+    "pyparsing",
+    "3.2.3",
+    "a749938e02d6fd0b59b356ca504a24982314bb090c383e3cf201c95ef7e2bfcf",
+    "",
+)
+NETWORKX = Wheel(
+    "networkx",
+    "3.4.2",
+    "df5d4365b724cf81b8c6a7312509d0c22386097011ad1abe274afd5e9d3bbc5f",
+    "",
 )
 
 

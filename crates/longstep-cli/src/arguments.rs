@@ -254,6 +254,12 @@ pub(crate) struct ExportArguments {
     /// Format of the output
     #[arg(long, value_enum)]
     pub(crate) format: PlanFormat,
+    /// Goal that the plan has to reach [default: the purpose in the plan file]
+    #[arg(long, value_name = "GOAL", conflicts_with = "problem")]
+    pub(crate) goal: Option<String>,
+    /// `pddl` only: write domain.pddl, problem.pddl and plan.pddl into a folder, which belong together
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) folder: Option<PathBuf>,
     /// `bt` only: check the preconditions before each step, so that the tree fails when the world has changed
     #[arg(long)]
     pub(crate) guards: bool,
@@ -271,7 +277,7 @@ pub(crate) enum PlanFormat {
     Json,
     /// A behavior tree in the XML of BehaviorTree.CPP 4
     Bt,
-    /// The steps in PDDL, for VAL and unified-planning; `longstep solve --pddl` writes the problem
+    /// The steps in PDDL, for VAL and unified-planning; with --folder also the domain and the problem
     Pddl,
     /// A flowchart for Mermaid
     Mermaid,

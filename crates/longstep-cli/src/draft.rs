@@ -126,14 +126,22 @@ impl Draft {
         Some(goal.exact(&self.world).join(" & "))
     }
 
+    /// Returns the goal of the plan with the constraints that it is verified against, as far as they are known.
+    pub(crate) fn purpose(&self) -> Purpose {
+        match &self.goal {
+            Some(goal) => goal.purpose(&self.world),
+            None => Purpose {
+                wanted: self.wanted.clone(),
+                ..Purpose::default()
+            },
+        }
+    }
+
     /// Returns what is known about the plan besides its steps.
     pub(crate) fn annotations(&self) -> Annotations {
         match &self.goal {
             Some(goal) => Annotations::default().with_goal(&self.world, goal),
-            None => Annotations::default().with_purpose(Purpose {
-                wanted: self.wanted.clone(),
-                ..Purpose::default()
-            }),
+            None => Annotations::default().with_purpose(self.purpose()),
         }
     }
 

@@ -123,3 +123,116 @@ fn a_plan_is_a_picture_a_flowchart_and_pddl() {
     assert_eq!((code, stderr.as_str()), (0, ""), "{text}");
     assert!(text.starts_with("(move-hand yoghurt)\n"), "{text}");
 }
+
+/// A plan in a world whose names are keywords of PDDL, names of predicates, not ASCII, long, or differ in case only.
+fn odd_names(folder: &std::path::Path) -> (String, String) {
+    let long = format!("<{}>", "n".repeat(198));
+    let environment = serde_json::json!({
+        "assets": ["<bin>", "<and>", long, "<Table>", "<table>"],
+        "objects": ["<o'brien [x]>", "<\u{676f}\u{5b50}>"],
+        "object_states": {"<o'brien [x]>": "on_something(<and>)", "<\u{676f}\u{5b50}>": "on_something(<bin>)"},
+    });
+    let env = folder.join("odd.json");
+    std::fs::write(&env, environment.to_string()).unwrap();
+    let plan = folder.join("a plan \"(x\".json");
+    let (env, plan) = (env.to_str().unwrap().to_owned(), plan.to_str().unwrap().to_owned());
+    let goal = format!("put(<o'brien [x]>, <bin>) & put(<\u{676f}\u{5b50}>, {long})");
+    let (code, stdout, stderr) = longstep(&["solve", "--goal", &goal, "--env", &env, "--save", &plan]);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    (env, plan)
+}
+
+/// Exports a plan into a folder and returns the texts of the domain, the problem and the plan, after our verifier read them.
+fn exported(plan: &str, more: &[&str], folder: &std::path::Path) -> [String; 3] {
+    let folder = folder.to_str().unwrap();
+    let arguments = [&["export", plan, "--format", "pddl", "--folder", folder], more].concat();
+    let (code, stdout, stderr) = longstep(&arguments);
+    let paths = ["domain", "problem", "plan"].map(|name| format!("{folder}/{name}.pddl"));
+    assert_eq!((code, stderr.as_str()), (0, ""), "{stdout}");
+    assert_eq!(stdout.lines().collect::<Vec<_>>(), paths);
+    let [domain, problem, plan] = &paths;
+    let (code, stdout, stderr) = longstep(&["verify", plan, "--domain", domain, "--problem", problem]);
+    assert_eq!((code, stderr.as_str()), (0, ""), "{stdout}");
+    paths.map(|path| std::fs::read_to_string(path).unwrap())
+}
+
+#[test]
+fn a_plan_its_domain_and_its_problem_go_into_a_folder_and_belong_together() {
+    let there = tempfile::tempdir().unwrap();
+    let script = there.path().join("plan.py");
+    let text = "# objects: [\"<yoghurt>\"]\nmove_hand()\ngrasp_object()\nrelease_object()\n";
+    std::fs::write(&script, text).unwrap();
+    let script = script.to_str().unwrap();
+    let folder = there.path().join("made/task");
+    let [domain, problem, plan] = exported(script, &WORLD, &folder);
+    for text in [&domain, &problem, &plan] {
+        assert!(text.starts_with("; Written by longstep export"), "{text}");
+    }
+    assert!(domain.contains("(define (domain household-checks)"), "{domain}");
+    assert!(problem.contains("; The plan was made without a goal"), "{problem}");
+    // The same again changes nothing, and neither does a goal that the plan misses.
+    assert_eq!(exported(script, &WORLD, &folder), [domain, problem, plan.clone()]);
+    let goal = [&["--goal", "put(yoghurt, trash_bin)"][..], &WORLD[..]].concat();
+    let arguments = [
+        &[
+            "export",
+            script,
+            "--format",
+            "pddl",
+            "--folder",
+            folder.to_str().unwrap(),
+        ][..],
+        &goal[..],
+    ]
+    .concat();
+    assert_eq!(longstep(&arguments).0, 10);
+    assert_eq!(std::fs::read_to_string(folder.join("plan.pddl")).unwrap(), plan);
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3);
+}
+
+#[test]
+fn files_of_others_are_not_replaced_by_an_export() {
+    let there = tempfile::tempdir().unwrap();
+    let (_, plan) = odd_names(there.path());
+    let folder = there.path().join("task");
+    std::fs::create_dir(&folder).unwrap();
+    std::fs::write(folder.join("domain.pddl"), "(define (domain mine))").unwrap();
+    let arguments = [
+        "export",
+        &plan,
+        "--format",
+        "pddl",
+        "--folder",
+        folder.to_str().unwrap(),
+    ];
+    let (code, stdout, stderr) = longstep(&arguments);
+    assert_eq!((code, stdout.as_str()), (30, ""));
+    assert!(
+        stderr.contains("domain.pddl exists, and another program or a person wrote it"),
+        "{stderr}"
+    );
+    assert!(stderr.contains("hint: name another folder"), "{stderr}");
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+    let (code, _, stderr) = longstep(&["export", &plan, "--format", "bt", "--folder", "x"]);
+    assert!(code == 30 && stderr.contains("`--folder` is for PDDL"), "{stderr}");
+}
+
+#[test]
+fn any_names_have_a_form_in_pddl() {
+    let there = tempfile::tempdir().unwrap();
+    let (_, plan) = odd_names(there.path());
+    let [_, problem, plan] = exported(&plan, &[], &there.path().join("task"));
+    // The purpose in the plan file is the goal.
+    assert!(!problem.contains("made without a goal"), "{problem}");
+    assert!(problem.contains("(define (problem a_plan___x_)"), "{problem}");
+    assert!(
+        problem.contains("bin-2 - asset ; <bin>") && problem.contains("and-2 - asset ; <and>"),
+        "{problem}"
+    );
+    let legal = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_() \n".contains(c);
+    let steps = plan.split_once('\n').unwrap().1;
+    assert!(
+        steps.chars().all(legal) && steps.contains("(move-object o_brien__x_ bin-2)"),
+        "{steps}"
+    );
+}

@@ -24,6 +24,7 @@
 
 mod bounded;
 mod domain_folder;
+mod file_set;
 mod places;
 mod private;
 mod text_file;
@@ -31,6 +32,7 @@ mod whole_file;
 
 pub use bounded::{LOG_LIMIT, read_bounded, read_text_bounded, read_to_limit, text_of};
 pub use domain_folder::{DomainError, domain_files, overlay_prompt};
+pub use file_set::{FileSetError, write_file_set};
 pub use places::{NoHomeFolder, cache_directory, session_directory};
 pub use private::{create_private_folder, restrict, tighten_folder};
 pub use text_file::{TextFileError, plain_reason, read_text, read_texts};

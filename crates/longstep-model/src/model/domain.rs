@@ -73,6 +73,11 @@ impl Types {
         &self.names[id.index()]
     }
 
+    /// Returns the direct supertype; the root is its own.
+    pub fn parent(&self, id: TypeId) -> TypeId {
+        self.parents[id.index()]
+    }
+
     /// Returns the number of types.
     pub fn count(&self) -> usize {
         self.names.len()

@@ -33,7 +33,7 @@ impl NumberChangeKind {
     }
 
     /// Returns the name in PDDL.
-    pub(crate) fn word(self) -> &'static str {
+    pub fn word(self) -> &'static str {
         match self {
             Self::Assign => "assign",
             Self::Increase => "increase",

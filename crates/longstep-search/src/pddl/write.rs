@@ -8,7 +8,9 @@ use super::names::plain;
 use super::object_names;
 use crate::search::{Formula, GroundCondition, Literal, Meaning, Wanted, ground_condition};
 use longstep_model::effort;
-use longstep_model::model::{Arithmetic, Comparison, Domain, Fact, Fluent, GroundExpression, GroundTest, World};
+use longstep_model::model::{
+    Arithmetic, Comparison, Domain, Fact, Fluent, GroundExpression, GroundTest, State, World, changed_facts,
+};
 use longstep_verify::verify::Purpose;
 
 /// The reason why a task cannot be written as a PDDL problem.
@@ -24,6 +26,15 @@ pub enum WriteError {
     /// The goals must be achieved in an order.
     #[error("the goals must be achieved in an order, which a PDDL problem cannot say")]
     Order,
+    /// The plan has branches, loops or lanes.
+    #[error("a plan with branches, loops or lanes has no form in PDDL")]
+    Branches,
+    /// An action depends on the state before the plan.
+    #[error("the action `{action}` depends on the state before the plan, which a PDDL domain cannot say")]
+    Past {
+        /// The action's name.
+        action: String,
+    },
     /// A goal depends on sensing.
     #[error("the goal depends on sensing, which PDDL cannot say")]
     Sensing,
@@ -35,7 +46,7 @@ pub enum WriteError {
 /// The budget for writing a problem or a goal, in units of work.
 const EFFORT: u64 = 25_000_000;
 
-/// Writes a problem that any planner reads together with the domain's `domain.pddl`.
+/// Writes a problem that any planner reads together with the domain's `domain.pddl`, or with that of [`write_domain`](super::write_domain).
 ///
 /// The goal is written ground, since conditions may refer to the initial state, which PDDL cannot express. Parts whose
 /// truth is known initially are left out; the rest are facts with `and`, `or` and `not`. Assumed facts are written like
@@ -47,7 +58,17 @@ const EFFORT: u64 = 25_000_000;
 /// [`WriteError::Always`] if a rule or a prohibition must hold in every state; [`WriteError::Order`] if the purpose has
 /// stages; [`WriteError::TooLarge`] if the goal has too many instances.
 pub fn write_problem(world: &World, purpose: &Purpose, name: &str) -> Result<String, WriteError> {
-    affordable(|| problem(&purpose.world(world), purpose, name))?
+    write_problem_for(world, purpose, name, None)
+}
+
+/// Writes a problem; the final state of a plan without a goal gives it one: whatever the plan has changed.
+pub(super) fn write_problem_for(
+    world: &World,
+    purpose: &Purpose,
+    name: &str,
+    ending: Option<&State>,
+) -> Result<String, WriteError> {
+    affordable(|| problem(&purpose.world(world), purpose, name, ending))?
 }
 
 pub(super) fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
@@ -59,7 +80,7 @@ pub(super) fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> 
     }
 }
 
-fn problem(world: &World, purpose: &Purpose, name: &str) -> Result<String, WriteError> {
+fn problem(world: &World, purpose: &Purpose, name: &str, ending: Option<&State>) -> Result<String, WriteError> {
     if !purpose.stages.is_empty() {
         return Err(WriteError::Order);
     }
@@ -94,8 +115,15 @@ fn problem(world: &World, purpose: &Purpose, name: &str) -> Result<String, Write
     if domain.has_costs() {
         text.push_str("\n    (= (total-cost) 0)");
     }
-    text.push_str("\n  )\n  (:goal (and");
-    for part in ground_goal(world, &names, &purpose.at_end(domain)) {
+    text.push_str("\n  )\n");
+    let mut goal = IndexSet::new();
+    if let Some(ending) = ending {
+        text.push_str("  ; The plan was made without a goal: this one is what it changes.\n");
+        goal.extend(changes(world, &names, ending));
+    }
+    goal.extend(ground_goal(world, &names, &purpose.at_end(domain)));
+    text.push_str("  (:goal (and");
+    for part in goal {
         let _ = write!(text, "\n    {part}");
     }
     text.push_str("\n  ))");
@@ -130,6 +158,23 @@ fn ground_goal(world: &World, names: &[String], wanted: &[Wanted]) -> Vec<String
         }
     }
     written.into_iter().collect()
+}
+
+/// Writes the facts and numbers of a final state that differ from the initial one.
+fn changes(world: &World, names: &[String], ending: &State) -> Vec<String> {
+    let domain = world.domain();
+    let facts = changed_facts(&world.state, ending).into_iter().map(|change| {
+        let atom = atom(domain, names, change.fact);
+        if change.now_holds {
+            atom
+        } else {
+            format!("(not {atom})")
+        }
+    });
+    let numbers = ending.numbers().iter();
+    let numbers = numbers.filter(|(own, number)| world.state.number(*own) != Some(*number));
+    let numbers = numbers.map(|(own, number)| format!("(= {} {number})", fluent(domain, names, *own)));
+    facts.chain(numbers).collect()
 }
 
 fn atom(domain: &Domain, names: &[String], fact: Fact) -> String {
