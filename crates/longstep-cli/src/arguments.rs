@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use longstep::Effort;
 
-pub(crate) use domain::{DomainCommand, NewDomainArguments, TryArguments};
+pub(crate) use domain::{DomainCommand, NewDomainArguments, NodesLanguage, TryArguments};
 pub(crate) use eval::{EvalArguments, EvalCommand};
 pub(crate) use model::{ModelArguments, ModelCommand};
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
@@ -55,6 +55,8 @@ pub(crate) enum Command {
     Session(SessionCommand),
     /// Verify a plan step by step
     Verify(VerifyArguments),
+    /// Show a plan as a tree: what every step does, why, and what it changes
+    Show(ShowArguments),
     /// Make a plan valid with the cheapest edits
     Repair(RepairArguments),
     /// Fit the skill parameters of a plan's steps to demonstrations
@@ -228,6 +230,12 @@ pub(crate) struct VerifyArguments {
     /// Print one JSON object; plan, verify, repair, solve and compose share its schema
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ShowArguments {
+    #[command(flatten)]
+    pub(crate) draft: DraftArguments,
 }
 
 #[derive(Debug, Args)]
