@@ -260,7 +260,7 @@ pub(crate) struct ExportArguments {
     /// `bt` only: check the preconditions before each step, so that the tree fails when the world has changed
     #[arg(long)]
     pub(crate) guards: bool,
-    /// `svg` only: width in pixels, from 120 to 8000
+    /// `svg` and `scene` only: width in pixels, from 120 to 8000
     #[arg(long, value_name = "PIXELS", default_value_t = 900, value_parser = clap::value_parser!(u16).range(120..=8000))]
     pub(crate) width: u16,
 }
@@ -280,8 +280,10 @@ pub(crate) enum PlanFormat {
     Mermaid,
     /// A graph for Graphviz
     Dot,
-    /// A picture
+    /// A picture of the plan
     Svg,
+    /// A picture of the world before the plan, and after it with the differences marked
+    Scene,
 }
 
 /// Either a goal and an environment, or a PDDL problem.

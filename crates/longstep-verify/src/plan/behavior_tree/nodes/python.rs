@@ -33,8 +33,8 @@ pub(super) fn write(functions: &Functions) -> String {
 
 /// Writes a docstring. A backslash begins no escape in it, and a quotation mark does not end it.
 fn docstring(text: &mut String, indent: &str, sentence: &str) {
-    let plain = sentence.replace('\\', "\\\\").replace('"', "'");
-    let lines = lines(&plain);
+    let lines = lines(sentence).into_iter();
+    let lines: Vec<String> = lines.map(|line| line.replace('\\', "\\\\").replace('"', "'")).collect();
     let _ = writeln!(text, "{indent}\"\"\"{}\"\"\"", lines.join(&format!("\n{indent}")));
 }
 

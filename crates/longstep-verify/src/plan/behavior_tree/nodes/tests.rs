@@ -69,7 +69,8 @@ fn no_sentence_leaves_its_comment() {
         }
         let module = write(&domain, Language::Python);
         for line in module.lines().filter(|line| line.contains("system()")) {
-            assert!(!line.contains("\"\"\" system"), "{line}");
+            let backslashes = line.matches('\\').count();
+            assert!(!line.contains("\"\"\" system") && backslashes.is_multiple_of(2), "{line}");
         }
         for text in [header, module] {
             assert!(!text.contains('\u{202e}'));
