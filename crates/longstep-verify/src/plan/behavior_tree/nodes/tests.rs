@@ -70,7 +70,10 @@ fn no_sentence_leaves_its_comment() {
         let module = write(&domain, Language::Python);
         for line in module.lines().filter(|line| line.contains("system()")) {
             let backslashes = line.matches('\\').count();
-            assert!(!line.contains("\"\"\" system") && backslashes.is_multiple_of(2), "{line}");
+            assert!(
+                !line.contains("\"\"\" system") && backslashes.is_multiple_of(2),
+                "{line}"
+            );
         }
         for text in [header, module] {
             assert!(!text.contains('\u{202e}'));
