@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use longstep::Effort;
 
-pub(crate) use domain::{DomainCommand, NewDomainArguments, TryArguments};
+pub(crate) use domain::{DomainCommand, NewDomainArguments, NodesLanguage, TryArguments};
 pub(crate) use eval::{EvalArguments, EvalCommand};
 pub(crate) use model::{ModelArguments, ModelCommand};
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
@@ -55,6 +55,8 @@ pub(crate) enum Command {
     Session(SessionCommand),
     /// Verify a plan step by step
     Verify(VerifyArguments),
+    /// Show a plan as a tree: what every step does, why, and what it changes
+    Show(ShowArguments),
     /// Make a plan valid with the cheapest edits
     Repair(RepairArguments),
     /// Fit the skill parameters of a plan's steps to demonstrations
@@ -236,6 +238,12 @@ pub(crate) struct VerifyArguments {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct ShowArguments {
+    #[command(flatten)]
+    pub(crate) draft: DraftArguments,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct RepairArguments {
     #[command(flatten)]
     pub(crate) draft: DraftArguments,
@@ -263,7 +271,7 @@ pub(crate) struct ExportArguments {
     /// `bt` only: check the preconditions before each step, so that the tree fails when the world has changed
     #[arg(long)]
     pub(crate) guards: bool,
-    /// `svg` only: width in pixels, from 120 to 8000
+    /// `svg` and `scene` only: width in pixels, from 120 to 8000
     #[arg(long, value_name = "PIXELS", default_value_t = 900, value_parser = clap::value_parser!(u16).range(120..=8000))]
     pub(crate) width: u16,
 }
@@ -283,8 +291,10 @@ pub(crate) enum PlanFormat {
     Mermaid,
     /// A graph for Graphviz
     Dot,
-    /// A picture
+    /// A picture of the plan
     Svg,
+    /// A picture of the world before the plan, and after it with the differences marked
+    Scene,
 }
 
 /// Either a goal and an environment, or a PDDL problem.

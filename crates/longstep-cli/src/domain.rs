@@ -1,4 +1,4 @@
-//! `longstep domain`: shows, checks and creates domains.
+//! `longstep domain`: shows, checks and creates domains, and writes nodes for behavior trees.
 
 mod interview;
 mod kept_answers;
@@ -12,11 +12,12 @@ use anyhow::Result;
 use longstep::domain::{self, Domain};
 use longstep_author::Finding;
 use longstep_core::environment::{Origin, World, fact_text};
+use longstep_core::plan::behavior_tree::nodes::{self, Language};
 use longstep_core::visible;
 use longstep_files::domain_files;
 use longstep_llm::load_domain;
 
-use crate::arguments::DomainCommand;
+use crate::arguments::{DomainCommand, NodesLanguage};
 use crate::failure::NOT_VALID;
 use crate::inputs;
 use crate::output::{self, Style, print_line};
@@ -43,6 +44,13 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
             strict,
             json,
         } => return check(domain, env.as_deref(), *strict, *json),
+        DomainCommand::Nodes { domain, language } => {
+            let language = match language {
+                NodesLanguage::Cpp => Language::Cpp,
+                NodesLanguage::Python => Language::Python,
+            };
+            output::document(&nodes::write(&load_domain(domain)?, language));
+        }
         DomainCommand::New(arguments) => new_domain::run(arguments)?,
         DomainCommand::Try(arguments) => return trial::run(arguments),
     }

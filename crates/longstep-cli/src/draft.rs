@@ -1,4 +1,4 @@
-//! The input of `longstep verify`, `longstep repair` and `longstep export`: a plan file and its world.
+//! The input of `longstep verify`, `show`, `repair` and `export`: a plan file and its world.
 
 use anyhow::Result;
 use longstep::draft_text::{changed_domain, is_foreign as is_foreign_to, knows_no_step, other_domain};
@@ -111,6 +111,15 @@ impl Draft {
     /// Returns the words of the instruction that the plan does not say.
     pub(crate) fn not_in_plan(&self) -> &[String] {
         &self.draft.file.not_in_plan
+    }
+
+    /// Returns the assumptions that the plan file states, as sentences.
+    pub(crate) fn assumptions(&self) -> &[String] {
+        self.draft
+            .file
+            .purpose
+            .as_ref()
+            .map_or(&[], |purpose| &purpose.assumptions)
     }
 
     /// Replaces the goal for which the plan was made.

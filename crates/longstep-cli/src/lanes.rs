@@ -7,7 +7,7 @@ use longstep_core::schedule::{self, Row};
 use longstep_core::verify::{Purpose, VerifiedPlan};
 use longstep_core::visible;
 
-use crate::output::{Line, Style, composed};
+use crate::output::{Line, Style, composed, wrapped};
 
 /// Width of a line in characters.
 const WIDTH: usize = 80;
@@ -110,19 +110,4 @@ fn line(unit: usize, cells: &[Vec<String>], column: usize) -> Vec<Line> {
         composed!("{}  {}", number.dimmed(), padded.join("  ").trim_end())
     };
     (0..height).map(of).collect()
-}
-
-/// Wraps a text at `width` characters, between words where possible.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let Some(last) = lines.last_mut() else { break };
-        let indented = last.chars().count() + word.chars().count();
-        match last.is_empty() || indented < width {
-            true if last.is_empty() => last.push_str(word),
-            true => last.extend([" ", word]),
-            false => lines.push(format!("  {word}")),
-        }
-    }
-    lines
 }

@@ -25,6 +25,7 @@ mod output;
 mod parsed_arguments;
 mod plan;
 mod plan_domain;
+mod plan_tree;
 mod problem;
 mod progress;
 mod project;
@@ -68,6 +69,7 @@ fn run(command: &mut Command) -> anyhow::Result<u8> {
         Command::Chat(arguments) => chat::run(arguments),
         Command::Session(command) => session::run(command),
         Command::Verify(arguments) => verify::run(arguments),
+        Command::Show(arguments) => plan_tree::run(arguments),
         Command::Repair(arguments) => repair::run(arguments),
         Command::Teach(arguments) => teach::run(arguments),
         Command::Run(arguments) => run::run(arguments),

@@ -6,6 +6,8 @@
 
 mod styled;
 mod terminal;
+mod tree;
+mod wrap;
 
 use std::fmt;
 use std::io::{ErrorKind, Write};
@@ -18,7 +20,9 @@ use longstep_files::plain_reason;
 use serde::Serialize;
 
 pub(crate) use styled::{Line, Style};
-pub(crate) use terminal::{can_draw_board, can_redraw, columns, shows_remarks, terminal_size};
+pub(crate) use terminal::{can_draw_board, can_redraw, columns, draws_lines, shows_remarks, terminal_size};
+pub(crate) use tree::{Item, Tone, tree};
+pub(crate) use wrap::wrapped;
 
 /// The exit code when stdout could not be written.
 pub(crate) const NOT_WRITTEN: u8 = 60;

@@ -26,20 +26,20 @@ pub(crate) enum Changes {
 
 /// Prints an answer: the steps, the changes, the assumptions and the verdict.
 pub(crate) fn answer(answer: &Answer, shown: Changes) {
-    answer_in_lanes(answer, shown, &[]);
+    answer_with_steps(answer, shown, &[]);
 }
 
-/// Prints an answer; `lanes` replaces the list of steps, if it is not empty.
-pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
+/// Prints an answer; `lines` replace the list of steps, if there are any.
+pub(crate) fn answer_with_steps(answer: &Answer, shown: Changes, lines: &[Line]) {
     if answer.status == Status::Question {
         not_represented(answer);
         print_line!("{} {}", "Question:".yellow().bold(), answer.plan.question);
         return;
     }
     let bad = |index| answer.violations.iter().any(|violation| violation.step == Some(index));
-    match lanes {
+    match lines {
         [] => steps(&answer.outline, bad),
-        lanes => lanes.iter().for_each(|line| print_line!("{line}")),
+        lines => lines.iter().for_each(|line| print_line!("{line}")),
     }
     edits(answer);
     // The changes of a plan that is not executable are unknown.

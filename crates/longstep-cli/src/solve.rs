@@ -100,7 +100,7 @@ pub(crate) fn finish(
                 output::blank();
             }
         }
-        show::answer_in_lanes(answer, show::Changes::Shown, lanes);
+        show::answer_with_steps(answer, show::Changes::Shown, lanes);
         if let Some((path, _)) = saved {
             remark!("Saved to {}", path.display());
         }

@@ -33,6 +33,10 @@ pub enum Trouble {
     Failure(usize),
     /// After so many steps a fact is changed; which one, is up to the choices.
     Change(usize),
+    /// The tree is halted after the tick in which the step with this number begins.
+    Halt(usize),
+    /// The step with this number throws an exception, which the runner of `nodes` knows.
+    Exception(usize),
 }
 
 /// The end of a run.
@@ -42,6 +46,8 @@ pub enum End {
     Done,
     /// The tree failed where it had to.
     Failed,
+    /// The tree was halted, and every step that had begun.
+    Halted,
     /// The run was too long.
     Endless,
 }
@@ -142,6 +148,7 @@ impl Peer {
             done: 0,
             trouble,
             has_failed: false,
+            is_halted: false,
             is_endless: false,
         };
         loop {
@@ -184,6 +191,7 @@ struct Run<'a> {
     done: usize,
     trouble: Trouble,
     has_failed: bool,
+    is_halted: bool,
     is_endless: bool,
 }
 
@@ -246,6 +254,15 @@ impl Run<'_> {
             self.has_failed = true;
             return Ok("failure".to_owned());
         }
+        if self.trouble == Trouble::Exception(number) {
+            self.has_failed = true;
+            return Ok("exception".to_owned());
+        }
+        if self.trouble == Trouble::Halt(number) {
+            self.is_halted = true;
+            self.running.push(step);
+            return Ok("halt".to_owned());
+        }
         if self.begun > LONGEST {
             self.is_endless = true;
             return Ok("failure".to_owned());
@@ -305,18 +322,31 @@ impl Run<'_> {
 
     /// Only a failure halts a step.
     fn halted(&mut self, call: &[String]) -> Result<(), String> {
-        let has_reason = self.has_failed || self.is_endless || matches!(self.trouble, Trouble::Change(_));
+        let has_reason =
+            self.has_failed || self.is_halted || self.is_endless || matches!(self.trouble, Trouble::Change(_));
         if !has_reason {
             return Err(format!("{call:?} was halted"));
         }
         let place = self.running.iter().position(|step| self.call(*step) == call);
-        place.map(|place| self.running.remove(place));
+        let place = place.ok_or_else(|| format!("{call:?} was halted and was not running"))?;
+        self.running.remove(place);
         Ok(())
     }
 
     fn ended(&self, status: &str) -> Result<End, String> {
         let is_stuck = || self.cursor.ready().iter().any(|step| !self.allows(*step));
+        if let Some(step) = self.running.first() {
+            return Err(format!(
+                "the tree ended with {status}, and {:?} goes on",
+                self.call(*step)
+            ));
+        }
         match status {
+            "HALTED" if self.is_halted => Ok(End::Halted),
+            "EXCEPTION" if matches!(self.trouble, Trouble::Exception(_)) && self.has_failed => Ok(End::Failed),
+            _ if matches!(self.trouble, Trouble::Exception(_)) && self.has_failed => {
+                Err(format!("the exception was lost, and the tree ended with {status}"))
+            }
             "SUCCESS" if self.has_failed => Err("the tree succeeded although a step failed".to_owned()),
             "SUCCESS" if !self.cursor.is_finished() => Err("the tree ended before the plan".to_owned()),
             "SUCCESS" => Ok(End::Done),

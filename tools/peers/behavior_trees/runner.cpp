@@ -2,7 +2,8 @@
 //
 // Input: the path of a file with a tree, one a line. Output: `refused TEXT`, or the questions of the tree and `end STATUS`:
 //
-//   do ID port=value ...       an action begins; the answer is `success`, `success OUTCOME`, `failure` or `later`
+//   do ID port=value ...       an action begins; the answer is `success`, `success OUTCOME`, `failure`, `later`, or `halt`,
+//                              which is `later` and halts the tree after the tick
 //   still ID port=value ...    an action whose answer was `later` is ticked again; the same answers
 //   halted ID port=value ...   such an action is ended; no answer
 //   ask ID port=value ...      a condition; the answer is `success` or `failure`
@@ -15,6 +16,8 @@
 #include "tinyxml2.h"
 
 using namespace BT;
+
+static bool halts = false;
 
 static std::string line_of(std::string text) {
     for (char& c : text) {
@@ -49,7 +52,8 @@ class Act : public StatefulActionNode {
 
   private:
     NodeStatus answered(const std::string& line) {
-        if (line == "later") return NodeStatus::RUNNING;
+        if (line == "halt") halts = true;
+        if (line == "later" || line == "halt") return NodeStatus::RUNNING;
         if (line == "failure") return NodeStatus::FAILURE;
         const auto tab = line.find('\t');
         if (tab != std::string::npos) setOutput("outcome", line.substr(tab + 1));
@@ -98,9 +102,11 @@ int main() {
             BehaviorTreeFactory factory;
             add_leaves(factory, path.c_str());
             auto tree = factory.createTreeFromFile(path);
+            halts = false;
             auto status = tree.tickOnce();
-            while (status == NodeStatus::RUNNING) status = tree.tickOnce();
-            std::cout << "end\t" << toStr(status) << std::endl;
+            while (status == NodeStatus::RUNNING && !halts) status = tree.tickOnce();
+            if (halts) tree.haltTree();
+            std::cout << "end\t" << (halts ? "HALTED" : toStr(status)) << std::endl;
         } catch (const std::exception& error) {
             std::cout << "refused\t" << line_of(error.what()) << std::endl;
         }

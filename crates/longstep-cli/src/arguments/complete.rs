@@ -193,6 +193,7 @@ impl Command {
                 taken.model(&mut own.model)?;
             }
             Self::Verify(own) => taken.draft(&mut own.draft)?,
+            Self::Show(own) => taken.draft(&mut own.draft)?,
             Self::Repair(own) => taken.draft(&mut own.draft)?,
             Self::Export(own) => taken.draft(&mut own.draft)?,
             Self::Teach(own) => {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 
 use super::model::ModelArguments;
 
@@ -32,10 +32,27 @@ pub(crate) enum DomainCommand {
         #[arg(long)]
         json: bool,
     },
+    /// Print a robot with a function for each leaf of a behavior tree, to be filled in
+    Nodes {
+        /// Name of a shipped domain, or a folder
+        domain: String,
+        /// Programming language
+        #[arg(long, value_enum)]
+        language: NodesLanguage,
+    },
     /// Create the folder of a new domain: from answers to a few questions, from a PDDL file, or a commented example
     New(NewDomainArguments),
     /// Make five instructions from a domain's own sentences, and show what a model understands
     Try(TryArguments),
+}
+
+/// A programming language with nodes for behavior trees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum NodesLanguage {
+    /// A header in C++17 for BehaviorTree.CPP 4
+    Cpp,
+    /// A module for behaviortreepy
+    Python,
 }
 
 #[derive(Debug, Args)]

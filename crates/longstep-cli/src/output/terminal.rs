@@ -27,6 +27,20 @@ pub(crate) fn can_draw_board() -> bool {
     can_redraw() && shows_results()
 }
 
+/// Returns true if the results may have characters for lines: the locale is one of UTF-8, and the terminal is not a dumb one.
+pub(crate) fn draws_lines() -> bool {
+    let variable = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
+    if variable("TERM").is_some_and(|terminal| terminal == "dumb") {
+        return false;
+    }
+    let locale = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(variable);
+    match locale.map(|locale| locale.to_ascii_lowercase()) {
+        Some(locale) => locale.contains("utf-8") || locale.contains("utf8"),
+        // Windows has no locale in its environment, and its terminals have these characters.
+        None => cfg!(windows),
+    }
+}
+
 /// The columns of the terminal that shows the results; none where they go to a pipe or a file.
 pub(crate) fn columns() -> Option<usize> {
     (shows_results() && shows_remarks()).then(|| terminal_size().0)

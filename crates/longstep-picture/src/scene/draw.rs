@@ -28,10 +28,7 @@ pub fn svg(scene: &Scene, changes: &Changes, options: &SvgOptions) -> String {
     let whole = Layout::new(scene, changes, options.width).whole();
     let drawing = Drawing { scene, changes };
     let mut canvas = Canvas::default();
-    whole.labels.iter().for_each(|line| canvas.text(line));
-    for child in &whole.children {
-        drawing.block(&mut canvas, child, 0);
-    }
+    drawing.whole(&mut canvas, &whole);
     let title = if options.title.is_empty() {
         "Scene"
     } else {
@@ -45,12 +42,20 @@ pub fn svg(scene: &Scene, changes: &Changes, options: &SvgOptions) -> String {
     )
 }
 
-struct Drawing<'s> {
-    scene: &'s Scene,
-    changes: &'s Changes,
+pub(super) struct Drawing<'s> {
+    pub(super) scene: &'s Scene,
+    pub(super) changes: &'s Changes,
 }
 
 impl Drawing<'_> {
+    /// Draws a scene that is laid out.
+    pub(super) fn whole(&self, canvas: &mut Canvas, whole: &Block) {
+        whole.labels.iter().for_each(|line| canvas.text(line));
+        for child in &whole.children {
+            self.block(canvas, child, 0);
+        }
+    }
+
     fn block(&self, canvas: &mut Canvas, block: &Block, depth: usize) {
         let Some(own) = block.index.map(|index| &self.scene.boxes[index]) else {
             return;
@@ -102,7 +107,7 @@ impl Drawing<'_> {
     }
 
     /// Describes the scene for readers who do not see it: the content of the first places, and the changes.
-    fn description(&self) -> String {
+    pub(super) fn description(&self) -> String {
         let boxes = &self.scene.boxes;
         let content = |around: usize| -> Vec<String> {
             let inside = boxes.iter().filter(|own| own.within == Some(around));

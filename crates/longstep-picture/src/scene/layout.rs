@@ -46,7 +46,7 @@ pub(super) struct Block {
 
 impl Block {
     /// Moves the block with its content.
-    fn shift(&mut self, x: f64, y: f64) {
+    pub(super) fn shift(&mut self, x: f64, y: f64) {
         self.area.x += x;
         self.area.y += y;
         for label in &mut self.labels {

@@ -1,9 +1,10 @@
 //! The scene of a state as nested boxes: every entity is a box within the box of its place.
 //!
-//! [`Scene::of`] finds the places from the words and effects of the domain, [`Scene::difference`] compares two states, and [`svg`]
-//! draws.
+//! [`Scene::of`] finds the places from the words and effects of the domain, [`Scene::difference`] compares two states, [`svg`] draws
+//! one, and [`comparison`] several side by side.
 
 mod change;
+mod comparison;
 mod draw;
 mod layout;
 mod placement;
@@ -14,6 +15,7 @@ mod wording;
 
 pub use change::{Changes, Moved, StateChange};
 pub(crate) use change::{SceneMoment, changes_between};
+pub use comparison::comparison;
 pub use draw::svg;
 pub(crate) use placement::Placement;
 pub use schema::Relation;

@@ -416,3 +416,26 @@ fn step_changes(world: &World, before: &State, after: &State) -> Changes {
     };
     changes_between(&schema, world, moment(before, 0), moment(after, 1), &changed)
 }
+
+#[test]
+fn comparison_has_every_scene_inside_its_frame() {
+    for (label, world) in shipped::worlds() {
+        let mut state = world.state.clone();
+        for (id, _) in world.entities() {
+            world
+                .facts_about(id)
+                .into_iter()
+                .take(1)
+                .for_each(|fact| state.set(fact, false));
+        }
+        let before = Scene::of(&world, &world.state);
+        let afters =
+            ["After <the> \"plan\"", "If & only if"].map(|heading| (heading.to_owned(), Scene::of(&world, &state)));
+        for width in [120.0, 500.0, 1200.0] {
+            let options = SvgOptions::new(width).with_prefix("p9");
+            let drawn = inspect::check(&comparison(("Before", &before), &afters, &options), "p9");
+            let distinct: BTreeSet<&String> = drawn.iter().collect();
+            assert!(drawn.len() > distinct.len(), "{label}: one scene is missing at {width}");
+        }
+    }
+}

@@ -26,6 +26,7 @@ mod condition;
 mod element;
 mod guard;
 mod name;
+pub mod nodes;
 mod part;
 mod read;
 mod read_condition;

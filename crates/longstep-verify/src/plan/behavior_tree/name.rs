@@ -151,18 +151,29 @@ pub(super) fn parameter(port: &str) -> &str {
     port.strip_prefix(ARGUMENT).unwrap_or(port)
 }
 
+/// Replaces the characters that no text in a script may have: those outside of ASCII too.
+fn plain_ascii(text: &str) -> String {
+    let is_odd = |character: char| !(character.is_ascii_alphanumeric() || matches!(character, '_' | '-'));
+    text.replace(is_odd, "_")
+}
+
+/// Returns the name of each outcome's predicate as it begins the word for the outcome.
+pub(super) fn outcome_stems(domain: &Domain, action: &Action) -> Vec<String> {
+    let stem = |atom: &Atom| plain_ascii(&predicate_word(&domain.predicate(atom.predicate).name));
+    action.senses.iter().map(stem).collect()
+}
+
 /// Returns the words for the outcomes of a sensing step: the name of the predicate if it tells them apart, else with its
 /// arguments.
 pub(crate) fn outcomes(world: &World, action: &Action, facts: &[Fact]) -> Vec<String> {
     let domain = world.domain();
-    let predicate = |atom: &Atom| plain(&predicate_word(&domain.predicate(atom.predicate).name)).into_owned();
-    let mut words: Vec<String> = action.senses.iter().map(predicate).collect();
-    let first = words.clone();
+    let mut words = outcome_stems(domain, action);
     for (index, fact) in facts.iter().enumerate() {
-        if first.iter().filter(|word| **word == first[index]).count() > 1 {
+        let predicate = action.senses[index].predicate;
+        if action.senses.iter().filter(|atom| atom.predicate == predicate).count() > 1 {
             for entity in domain.arguments(*fact) {
                 words[index].push('_');
-                words[index].push_str(&plain(world.entity(entity).identifier.trim_matches(['<', '>'])));
+                words[index].push_str(&plain_ascii(world.entity(entity).identifier.trim_matches(['<', '>'])));
             }
         }
     }

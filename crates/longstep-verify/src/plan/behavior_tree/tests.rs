@@ -329,10 +329,11 @@ fn drawn(count: usize) -> Vec<VerifiedPlan> {
 fn behavior_tree_cpp_ticks_the_steps_of_the_plan() {
     let folder = tempfile::tempdir().unwrap();
     let mut peer = peer(&folder);
-    let (mut done, mut failed, mut endless) = (0, 0, 0);
+    let (mut done, mut failed, mut halted, mut endless) = (0, 0, 0, 0);
     let mut count = |end: End| match end {
         End::Done => done += 1,
         End::Failed => failed += 1,
+        End::Halted => halted += 1,
         End::Endless => endless += 1,
     };
     for (number, plan) in drawn(500).iter().enumerate() {
@@ -349,12 +350,13 @@ fn behavior_tree_cpp_ticks_the_steps_of_the_plan() {
         }
         for at in 0..4 {
             tick(&bare, Trouble::Failure(at));
+            tick(&bare, Trouble::Halt(at));
             tick(&guarded, Trouble::Failure(at));
             tick(&guarded, Trouble::Change(at + 1));
         }
     }
-    println!("{done} runs succeeded, {failed} failed where they had to, {endless} were too long");
-    assert!(done > 3_000 && failed > 2_000);
+    println!("{done} runs succeeded, {failed} failed where they had to, {halted} were halted, {endless} were too long");
+    assert!(done > 3_000 && failed > 2_000 && halted > 1_000);
 }
 
 #[test]

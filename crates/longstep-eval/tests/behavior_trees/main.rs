@@ -1,9 +1,15 @@
 //! The plans of all shipped suites as behavior trees, ticked by BehaviorTree.CPP.
 //!
-//! `export LONGSTEP_BEHAVIOR_TREES="$(tools/peers/behavior_trees/build.sh)"; cargo test -p longstep-eval --test behavior_trees --
+//! `export LONGSTEP_BEHAVIOR_TREES="$(tools/peers/behavior_trees/build.sh)"
+//! LONGSTEP_BEHAVIOR_TREES_PYTHON="$(tools/peers/behavior_trees/python.sh)"; cargo test -p longstep-eval --test behavior_trees --
 //! --ignored`
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod example;
+mod hostile;
+mod nodes;
+mod workshop;
 
 use longstep_core::plan::behavior_tree::{Guards, write};
 use longstep_core::plan::read;
