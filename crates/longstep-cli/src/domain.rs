@@ -49,7 +49,8 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
                 NodesLanguage::Cpp => Language::Cpp,
                 NodesLanguage::Python => Language::Python,
             };
-            output::document(&nodes::write(&load_domain(domain)?, language));
+            let domain = load_domain(domain)?;
+            output::document(&nodes::write(&domain, language));
         }
         DomainCommand::New(arguments) => new_domain::run(arguments)?,
         DomainCommand::Try(arguments) => return trial::run(arguments),

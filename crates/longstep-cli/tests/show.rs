@@ -65,7 +65,9 @@ fn violations_stand_at_their_steps_with_the_exit_code_of_verify() {
     let step = lines.iter().position(|line| line.starts_with("|- 1. ")).unwrap();
     let next = lines.iter().position(|line| line.contains("- 2. ")).unwrap();
     assert!(
-        lines[step..next].iter().any(|line| line.contains("the hand is not at")),
+        lines[step..next]
+            .iter()
+            .any(|line| line.contains("needs that the hand is at the yoghurt")),
         "{text}"
     );
     assert!(text.contains("Not valid:"), "{text}");
