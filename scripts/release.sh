@@ -39,10 +39,10 @@ try_all() {
 
 # The same program, packed twice, has to give the same bytes, and a damaged archive has to be found.
 rehearse() {
-    local program work target
+    local program target
     program=$(realpath "$1")
     target=$(rustc -vV | sed -n 's/^host: //p')
-    work=$(mktemp -d)
+    work=$(mktemp -d) # for the trap, too
     trap 'rm -rf "$work"' EXIT
     step "lints of the scripts and of the Containerfile"
     "$parts/lint.sh"
@@ -54,7 +54,7 @@ rehearse() {
     write_checksums "$work/first"
     "$parts/try.sh" --any-library "$work/first"
     printf x >>"$(ls "$work"/first/*.tar.gz)"
-    if "$parts/try.sh" --any-library "$work/first" 2>/dev/null; then fail "a damaged archive passed" "look at scripts/release/try.sh"; fi
+    if "$parts/try.sh" --any-library "$work/first" >/dev/null 2>&1; then fail "a damaged archive passed" "look at scripts/release/try.sh"; fi
     step "the comparison of two programs"
     "$parts/same_bytes.py" --self-test "$program"
 }

@@ -21,14 +21,10 @@ tools=$(release_tools requirements.txt)
 export PATH="$tools:$PATH"
 
 # Where the sources and the results lie is no part of the program.
-build=${CARGO_TARGET_DIR:-$root/target}/release-archives
-registry=${CARGO_HOME:-$HOME/.cargo}/registry/src
-flags='' maps=''
-for place in "$registry=/registry" "$root=/longstep" "$build=/build"; do
-    flags+=" --remap-path-prefix=$place"
-    maps+=" -ffile-prefix-map=$place"
-done
-export CARGO_TARGET_DIR="$build" CARGO_INCREMENTAL=0 RUSTFLAGS="$flags" CFLAGS="$maps" CXXFLAGS="$maps"
+build=${CARGO_TARGET_DIR:-$root/target}
+places=("${CARGO_HOME:-$HOME/.cargo}/registry/src=/registry" "$root=/longstep" "$build=/build")
+maps="${places[*]/#/-ffile-prefix-map=}"
+export CARGO_TARGET_DIR="$build" CARGO_INCREMENTAL=0 RUSTFLAGS="${places[*]/#/--remap-path-prefix=}" CFLAGS="$maps" CXXFLAGS="$maps"
 case "$target" in
 # As in a native build: ggml leaves these out when it cross-compiles, and with SOURCE_DATE_EPOCH. The engine needs them,
 # and nothing else of the program does.
