@@ -2,8 +2,8 @@
 # Builds a release into dist/: archives of the program and wheels of the Python package, with their checksums. Then unpacks
 # each and tries it; docs/guide/machines.md describes the result.
 #
-#     scripts/release.sh                        for all targets: an hour on two cores
-#     scripts/release.sh aarch64-unknown-linux-gnu          for one target
+#     scripts/release.sh                        for both targets: an hour on two free cores
+#     scripts/release.sh aarch64-unknown-linux-gnu          for one of them
 #     scripts/release.sh --try                  tries what is in dist/ again
 #     scripts/release.sh --rehearse PROGRAM     lints the scripts; packs a program that is built already, twice, and tries it
 #
@@ -17,7 +17,7 @@ parts="$root/scripts/release"
 dist="$root/dist"
 . "$parts/common.sh"
 
-all_targets=(x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-unknown-linux-musl)
+all_targets=(x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu)
 
 build_all() {
     local target

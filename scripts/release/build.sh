@@ -31,15 +31,8 @@ case "$target" in
 x86_64-*) export GGML_SSE42=ON GGML_AVX=ON GGML_AVX2=ON GGML_FMA=ON GGML_F16C=ON GGML_BMI2=ON ;;
 esac
 
-triple=$target
-case "$target" in *-gnu) triple=$target.$glibc ;; esac
-(cd "$root" && cargo zigbuild --release --locked -p longstep-cli --target "$triple")
+(cd "$root" && cargo zigbuild --release --locked -p longstep-cli --target "$target.$glibc")
 "$root/scripts/release/pack.sh" "$build/$target/release/longstep" "$target" "$folder"
 
-# Python loads the module into its own C library, so there is no static wheel.
-case "$target" in
-*-gnu)
-    maturin build --release --locked --zig --target "$target" --compatibility manylinux2014 \
-        --manifest-path "$root/crates/longstep-python/Cargo.toml" --out "$folder" >&2
-    ;;
-esac
+maturin build --release --locked --zig --target "$target" --compatibility manylinux2014 \
+    --manifest-path "$root/crates/longstep-python/Cargo.toml" --out "$folder" >&2

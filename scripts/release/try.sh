@@ -37,13 +37,6 @@ check_libraries() {
     local program=$1 needed newest
     need readelf "install binutils"
     needed=$(readelf --dynamic --wide "$program" | sed -n 's/.*(NEEDED).*\[\(.*\)\]$/\1/p')
-    case "$2" in
-    *-musl)
-        [ -z "$needed" ] || fail "the static program needs: $needed" "look at the flags in scripts/release/build.sh"
-        echo "  needs no library" >&2
-        return
-        ;;
-    esac
     if grep -qvE '^(lib(c|m|dl|rt|pthread)\.so\.[0-9]|ld-linux-.*)$' <<<"$needed"; then
         fail "$program needs: $needed" "only libraries of glibc are on every machine"
     fi
@@ -74,7 +67,7 @@ try_archive() {
     for file in README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT THIRD-PARTY; do
         [ -s "$work/$name/$file" ] || fail "$archive lacks $file" "look at scripts/release/pack.sh"
     done
-    $any_library || check_libraries "$program" "$target"
+    $any_library || check_libraries "$program"
     if find_runner "${target%%-*}"; then
         check_answers "${runner[@]}" "$program"
         programs+=("${runner[*]} $program")
