@@ -4,82 +4,42 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import subprocess
 import sys
 import tempfile
 import unittest
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import longstep
 from scenes import ROOT
-
-if sys.version_info >= (3, 11):
-    import tomllib
+from suites import Task, damaged, tasks, without_times
 
 PROGRAM = os.environ.get("LONGSTEP_PROGRAM")
-SUITES = ROOT / "crates" / "longstep-eval" / "suites"
-
-# Durations are the only part that differs from run to run.
-TIMES = re.compile(r'"timings_ms": \{[^}]*\}')
-
-
-def goals_of(case: dict[str, Any]) -> Iterator[str]:
-    """The goals of a case, and of its steps."""
-    for own in (case, *case.get("steps", [])):
-        goal = own.get("goal")
-        if isinstance(goal, str):
-            yield goal
-
-
-def tasks() -> list[tuple[str, Path, str]]:
-    """Every goal of the suites once, with its domain and its scene."""
-    found: dict[tuple[str, Path, str], None] = {}
-    for suite in sorted(SUITES.iterdir()):
-        domain = tomllib.loads((suite / "suite.toml").read_text(encoding="utf-8"))["domain"]
-        for file in sorted(suite.glob("*.toml")):
-            for case in tomllib.loads(file.read_text(encoding="utf-8")).get("case", []):
-                for goal in goals_of(case):
-                    found[(domain, suite / "scenes" / f"{case['scene']}.json", goal)] = None
-    return list(found)
 
 
 def printed(*arguments: str | Path) -> str:
     """The output of the program, without its durations."""
     assert PROGRAM
     done = subprocess.run([PROGRAM, *map(str, arguments), "--json"], capture_output=True, text=True, check=False)
-    return TIMES.sub("", done.stdout)
+    return without_times(done.stdout)
 
 
 def own(answer: longstep.Answer) -> str:
     """The JSON of an answer, without its durations, as it is printed."""
-    return TIMES.sub("", answer.json() + "\n")
-
-
-def damaged(plan: dict[str, Any]) -> dict[str, Any]:
-    """The plan without the call in the middle; a plan that is a tree stays as it is."""
-    cohesion = plan["task_cohesion"]
-    calls = cohesion.get("task_sequence")
-    if not calls:
-        return plan
-    kept = [call for place, call in enumerate(calls) if place != len(calls) // 2]
-    return {**plan, "task_cohesion": {**cohesion, "task_sequence": kept}}
+    return without_times(answer.json() + "\n")
 
 
 @unittest.skipUnless(PROGRAM, "LONGSTEP_PROGRAM names no program")
 @unittest.skipUnless(sys.version_info >= (3, 11), "suites are TOML files, which Python reads from 3.11 on")
 class Bytes(unittest.TestCase):
-    def compare(self, task: tuple[str, Path, str], folder: Path) -> tuple[int, list[str]]:
+    def compare(self, task: Task, folder: Path) -> tuple[int, list[str]]:
         """Compares the answers for a goal; returns how many were compared, and the differing ones."""
-        domain, scene, goal = task
-        world = longstep.World(scene, domain=domain)
-        place = ("--env", scene, "--domain", domain)
-        answer = longstep.solve(world, goal)
+        world = longstep.World(task.scene, domain=task.domain)
+        place = ("--env", task.scene, "--domain", task.domain)
+        answer = longstep.solve(world, task.goal)
         saved, whole, broken = (folder / f"{name}.json" for name in ("saved", "whole", "broken"))
-        pairs = [("solve", own(answer), printed("solve", "--goal", goal, *place, "--save", saved))]
+        pairs = [("solve", own(answer), printed("solve", "--goal", task.goal, *place, "--save", saved))]
         if answer.plan is not None:
             pairs.append(("the file of the plan", answer.plan.json() + "\n", saved.read_text(encoding="utf-8")))
             whole.write_text(answer.plan.json(), encoding="utf-8")
@@ -87,7 +47,7 @@ class Bytes(unittest.TestCase):
             pairs.append(("verify", own(longstep.verify(whole, world)), printed("verify", whole, *place)))
             pairs.append(("verify broken", own(longstep.verify(broken, world)), printed("verify", broken, *place)))
             pairs.append(("repair", own(longstep.repair(broken, world)), printed("repair", broken, *place)))
-        return len(pairs), [f"{what} of `{goal}` in {scene.name}" for what, mine, its in pairs if mine != its]
+        return len(pairs), [f"{what} of `{task.goal}` in {task.scene.name}" for what, mine, its in pairs if mine != its]
 
     def test_answers_have_the_bytes_of_the_program(self) -> None:
         every = int(os.environ.get("LONGSTEP_EVERY", "1"))
