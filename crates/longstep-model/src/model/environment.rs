@@ -311,7 +311,7 @@ mod tests {
         );
         check_error(
             r#"{"asset": []}"#,
-            "unknown field `asset`, expected one of `assets`, `asset_states`, `objects`, `object_states`, `asset_properties`, `object_properties`, `facts`, `names`, `types`, `speaker`, `robot` at line 1 column 8",
+            "unknown field `asset`, expected one of `assets`, `asset_states`, `objects`, `object_states`, `asset_properties`, `object_properties`, `facts`, `names`, `types`, `speaker`, `robot`, `$schema` at line 1 column 8",
         );
     }
 }
