@@ -1,9 +1,11 @@
 //! The input of `longstep verify`, `show`, `repair` and `export`: a plan file and its world.
 
+use std::time::Instant;
+
 use anyhow::Result;
 use longstep::draft_text::{changed_domain, is_foreign as is_foreign_to, knows_no_step, other_domain};
 use longstep::goal::Goal;
-use longstep::report::Assessment;
+use longstep::report::{Answer, Assessment};
 use longstep_core::environment::World;
 use longstep_core::goal::{self, GoalError};
 use longstep_core::json;
@@ -15,10 +17,20 @@ use longstep_llm::load_domain;
 use longstep_picture::plan::Annotations;
 
 use crate::arguments::{DraftArguments, domain_or_default, required};
+use crate::clock::milliseconds;
 use crate::failure::Failure;
 use crate::output::{self, Form};
 use crate::plan_domain::wrong_domain;
 use crate::{exit_code, inputs, problem, show};
+
+/// Returns the verdict on a plan with its times; `started` is before the plan was read.
+pub(crate) fn timed_verdict(assessment: &Assessment<'_>, started: Instant) -> Answer {
+    let verifying = Instant::now();
+    let mut answer = assessment.verdict();
+    answer.timings_ms.verify = milliseconds(verifying);
+    answer.timings_ms.total = milliseconds(started);
+    answer
+}
 
 /// A plan file, read and resolved.
 pub(crate) struct Draft {

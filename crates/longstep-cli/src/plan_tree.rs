@@ -8,8 +8,7 @@ use longstep_core::plan::OutlineLine;
 use longstep_picture::plan::{Diagram, DiagramNode, LaneRow, StepNode};
 
 use crate::arguments::ShowArguments;
-use crate::clock::milliseconds;
-use crate::draft::Draft;
+use crate::draft::{Draft, timed_verdict};
 use crate::output::{self, Item, Style, Tone, print_line};
 use crate::{exit_code, show};
 
@@ -17,10 +16,7 @@ pub(crate) fn run(arguments: &ShowArguments) -> Result<u8> {
     let started = Instant::now();
     let draft = Draft::read(&arguments.draft)?;
     let assessment = draft.assessment();
-    let verifying = Instant::now();
-    let mut answer = assessment.verdict();
-    answer.timings_ms.verify = milliseconds(verifying);
-    answer.timings_ms.total = milliseconds(started);
+    let answer = timed_verdict(&assessment, started);
     let code = exit_code::of_status(answer.status);
     let items = match assessment.verified() {
         Some(plan) => {

@@ -6,18 +6,14 @@ use anyhow::Result;
 use longstep::report::Status;
 
 use crate::arguments::VerifyArguments;
-use crate::clock::milliseconds;
-use crate::draft::Draft;
+use crate::draft::{Draft, timed_verdict};
 use crate::{exit_code, output, show};
 
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     let started = Instant::now();
     let draft = Draft::read(&arguments.draft)?;
     let assessment = draft.assessment();
-    let verifying = Instant::now();
-    let mut answer = assessment.verdict();
-    answer.timings_ms.verify = milliseconds(verifying);
-    answer.timings_ms.total = milliseconds(started);
+    let answer = timed_verdict(&assessment, started);
     if arguments.json {
         show::json(&answer)?;
     } else if arguments.feedback && answer.status == Status::Invalid {

@@ -298,7 +298,7 @@ fn answers_fit_their_schema() {
     }
 }
 
-/// What `domain new` writes names schemas that are beside it, and fits them.
+/// Files of `domain new` name schemas that are beside them, and fit them.
 #[test]
 fn a_new_domain_has_its_schemas() {
     let published = Published::new();

@@ -152,7 +152,7 @@ struct FeedbackEntry {
     instruction: String,
     /// The lines of the plan.
     plan: Vec<String>,
-    /// What the person says about it.
+    /// The words of the person about it.
     says: String,
     /// The answer of the model.
     answer: Spanned<String>,

@@ -98,7 +98,7 @@ struct CaseEntry {
     wordings: BTreeMap<Spanned<String>, String>,
     /// The goal, or several of which one is right.
     goal: Option<Spanned<Goals>>,
-    /// What is right instead of a goal.
+    /// The right result where there is no goal.
     expect: Option<Spanned<String>>,
     /// Several instructions, one after the other.
     steps: Option<Vec<Spanned<StepEntry>>>,
@@ -116,7 +116,7 @@ struct StepEntry {
     says: String,
     /// The goal, or several of which one is right.
     goal: Option<Spanned<Goals>>,
-    /// What is right instead of a goal.
+    /// The right result where there is no goal.
     expect: Option<Spanned<String>>,
 }
 

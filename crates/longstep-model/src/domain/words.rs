@@ -410,7 +410,7 @@ pub struct GoalEntry {
 pub struct AcceptEntry {
     /// The lint.
     pub lint: Text,
-    /// What it is about.
+    /// The declarations that it is about.
     pub of: Vec<String>,
     /// The reason.
     pub why: Text,
