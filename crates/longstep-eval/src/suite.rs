@@ -15,6 +15,8 @@ use std::collections::BTreeMap;
 use longstep::goal::Goal;
 use longstep_core::environment::World;
 use longstep_core::model::Prohibition;
+use longstep_core::search::{Limits, Outcome, solve};
+use longstep_core::verify::{Purpose, Report, VerifiedPlan, check};
 
 pub use load::{Files, domain_name, load};
 #[cfg(feature = "schema")]
@@ -100,6 +102,43 @@ impl Suite {
     /// The initial world of a case with the values of the expected goals.
     pub fn judged_world(&self, case: &Case) -> World {
         self.judged[&case.scene].with_prohibitions(case.rules.iter().cloned())
+    }
+
+    /// Returns the plan that search finds for each instruction, with its purpose: each in the world after the one before. An
+    /// instruction without an expected goal, or without a plan within the usual limits, is left out.
+    ///
+    /// ```
+    /// use longstep_eval::suite;
+    /// let files = suite::shipped("unsaid").unwrap();
+    /// let domain = longstep::domain::shipped(&suite::domain_name(&files).unwrap()).unwrap().unwrap();
+    /// let plans = suite::load(&files, &domain).unwrap().plans().unwrap();
+    /// assert!(!plans.is_empty());
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// The report on a plan of the search that the verifier refuses.
+    pub fn plans(&self) -> Result<Vec<(VerifiedPlan, Purpose)>, Box<Report>> {
+        let mut plans = Vec::new();
+        for case in &self.cases {
+            let mut world = self.world(case);
+            let judged = &self.judged[&case.scene];
+            for step in &case.steps {
+                world.share_values(judged);
+                let goal = step.expected.goals().first();
+                let Some(goal) = goal.and_then(|goal| goal.carried(world.domain(), judged, &world)) else {
+                    continue;
+                };
+                let purpose = goal.purpose(&world);
+                let Outcome::Solved { plan, .. } = solve(&world, &purpose, &Limits::default()) else {
+                    continue;
+                };
+                let plan = check(&world, plan, &purpose).into_verified()?;
+                world = world.after(plan.ending());
+                plans.push((plan, purpose));
+            }
+        }
+        Ok(plans)
     }
 }
 

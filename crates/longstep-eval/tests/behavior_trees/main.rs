@@ -13,36 +13,9 @@ mod workshop;
 
 use longstep_core::plan::behavior_tree::{Guards, write};
 use longstep_core::plan::read;
-use longstep_core::search::{Limits, Outcome, solve};
 use longstep_core::tree_peer::{End, Peer, Trouble};
-use longstep_core::verify::{VerifiedPlan, check, check_file};
-use longstep_eval::suite::{self, Suite};
-
-/// Returns the plan for each instruction of a suite that has one.
-fn plans(suite: &Suite) -> Vec<VerifiedPlan> {
-    let mut plans = Vec::new();
-    for case in &suite.cases {
-        let mut world = suite.world(case);
-        let judged = &suite.judged[&case.scene];
-        for step in &case.steps {
-            world.share_values(judged);
-            let Some(goal) = step.expected.goals().first() else {
-                continue;
-            };
-            let Some(goal) = goal.carried(world.domain(), judged, &world) else {
-                continue;
-            };
-            let purpose = goal.purpose(&world);
-            let Outcome::Solved { plan, .. } = solve(&world, &purpose, &Limits::default()) else {
-                continue;
-            };
-            let plan = check(&world, plan, &purpose).into_verified().unwrap();
-            world = world.after(plan.ending());
-            plans.push(plan);
-        }
-    }
-    plans
-}
+use longstep_core::verify::check_file;
+use longstep_eval::suite;
 
 /// Numbers below a bound from a seed.
 fn choices(seed: usize) -> impl FnMut(usize) -> usize {
@@ -68,7 +41,7 @@ fn behavior_tree_cpp_ticks_the_plans_of_all_suites() {
             .unwrap()
             .unwrap();
         let suite = suite::load(&files, &domain).unwrap();
-        for plan in plans(&suite) {
+        for (plan, _) in suite.plans().unwrap() {
             count += 1;
             let mut choose = choices(count);
             for guards in [Guards::None, Guards::Preconditions] {

@@ -14,7 +14,7 @@ use longstep_core::verify::{Purpose, VerifiedPlan};
 use longstep_eval::suite;
 
 use crate::workshop::{check_types, compiled, program, python, starter};
-use crate::{choices, example, hostile, plans};
+use crate::{choices, example, hostile};
 
 /// The plans of one domain that are ticked, of each form.
 const MOST: usize = 12;
@@ -31,7 +31,7 @@ fn plans_by_domain() -> BTreeMap<String, Vec<VerifiedPlan>> {
         let files = suite::shipped(name).unwrap();
         let domain = suite::domain_name(&files).unwrap();
         let loaded = longstep::domain::shipped(&domain).unwrap().unwrap();
-        for plan in plans(&suite::load(&files, &loaded).unwrap()) {
+        for (plan, _) in suite::load(&files, &loaded).unwrap().plans().unwrap() {
             let lanes = schedule::share(plan.world(), &plan, &Purpose::default()).map(|shared| shared.plan);
             let form = usize::from(!plan.plan().is_sequence());
             for (form, plan) in [(form, plan)].into_iter().chain(lanes.map(|lanes| (2, lanes))) {

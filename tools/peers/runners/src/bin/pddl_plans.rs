@@ -18,7 +18,7 @@ use longstep_core::pddl::{self, SolvedTask};
 use longstep_core::plan::{Plan, Step};
 use longstep_core::search::{GroundAction, Limits, Outcome, solve};
 use longstep_core::verify::{Purpose, Report, VerifiedPlan, check};
-use longstep_eval::suite::{self, Suite};
+use longstep_eval::suite;
 use serde_json::{Value, json};
 
 type Anyhow<T> = Result<T, Box<dyn Error>>;
@@ -65,7 +65,8 @@ fn write_all(folder: &Path, every: usize) -> Anyhow<Vec<Solved>> {
         let files = suite::shipped(name).ok_or("no such suite")?;
         let domain = longstep::domain::shipped(&suite::domain_name(&files)?).ok_or("no such domain")??;
         let suite = suite::load(&files, &domain)?;
-        for (plan, purpose) in plans_of(&suite)? {
+        let plans = suite.plans().map_err(|report| format!("{:?}", report.violations))?;
+        for (plan, purpose) in plans {
             written.plans += 1;
             if !plan.plan().is_sequence() {
                 written.branching += 1;
@@ -177,32 +178,6 @@ fn solved(world: &World, purpose: &Purpose) -> Anyhow<VerifiedPlan> {
     };
     let plan = check(world, plan, purpose).into_verified();
     Ok(plan.map_err(|report| format!("{:?}", report.violations))?)
-}
-
-/// Returns the plan for each instruction of a suite that has one, with its purpose.
-fn plans_of(suite: &Suite) -> Anyhow<Vec<(VerifiedPlan, Purpose)>> {
-    let mut plans = Vec::new();
-    for case in &suite.cases {
-        let mut world = suite.world(case);
-        let judged = &suite.judged[&case.scene];
-        for step in &case.steps {
-            world.share_values(judged);
-            let goal = step.expected.goals().first();
-            let Some(goal) = goal.and_then(|goal| goal.carried(world.domain(), judged, &world)) else {
-                continue;
-            };
-            let purpose = goal.purpose(&world);
-            let Outcome::Solved { plan, .. } = solve(&world, &purpose, &Limits::default()) else {
-                continue;
-            };
-            let plan = check(&world, plan, &purpose)
-                .into_verified()
-                .map_err(|report| format!("{}: {:?}", case.id, report.violations))?;
-            world = world.after(plan.ending());
-            plans.push((plan, purpose));
-        }
-    }
-    Ok(plans)
 }
 
 /// Returns whether a plan is executable and reaches the goal, in the world of the task and in the one of its files.
