@@ -109,7 +109,7 @@ impl Suite {
     ///
     /// ```
     /// use longstep_eval::suite;
-    /// let files = suite::shipped("unsaid").unwrap();
+    /// let files = suite::shipped("two-arms").unwrap();
     /// let domain = longstep::domain::shipped(&suite::domain_name(&files).unwrap()).unwrap().unwrap();
     /// let plans = suite::load(&files, &domain).unwrap().plans().unwrap();
     /// assert!(!plans.is_empty());
