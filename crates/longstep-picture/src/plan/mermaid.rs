@@ -60,6 +60,9 @@ fn shape(number: usize, shown: &Shown, indent: &str, text: &mut String) {
     let _ = writeln!(text, "{indent}n{number}{open}\"{}\"{close}", lines.join("<br/>"));
 }
 
+/// A character without a width, which ends a name.
+const WORD_JOINER: char = '\u{2060}';
+
 /// Writes characters that mean something to Mermaid as numbers.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -74,6 +77,10 @@ fn escaped(text: &str) -> String {
             || (character == '.' && at != number);
         if is_plain {
             escaped.push(character);
+            // `fa:fa-ban` would become a picture, also as a number.
+            if character == ':' && text[at + 1..].starts_with("fa-") {
+                escaped.push(WORD_JOINER);
+            }
         } else if character.is_control() || longstep_core::visible::is_hidden(character) {
             escaped.push('\u{fffd}');
         } else {
@@ -91,7 +98,8 @@ mod tests {
     fn texts_mean_nothing_to_mermaid() {
         for (text, expected) in [
             ("1. take the pen", "1#46; take the pen"),
-            ("take 1.5 of it", "take 1.5 of it"),
+            ("take 1.5 of it: now", "take 1.5 of it: now"),
+            ("fa:fa-ban", "fa:\u{2060}fa-ban"),
             ("say \"end\"]", "say #34;end#34;#93;"),
             ("<b>`*x*`#1;", "#60;b#62;#96;#42;x#42;#96;#35;1#59;"),
             ("ключ \u{1f600}", "ключ #128512;"),
