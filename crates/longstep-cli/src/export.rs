@@ -11,7 +11,7 @@ use longstep_core::plan::{Written, script};
 use longstep_core::verify::{Ending, VerifiedPlan};
 use longstep_files::write_file_set;
 use longstep_picture::SvgOptions;
-use longstep_picture::plan::{Diagram, dot, mermaid, svg};
+use longstep_picture::plan::{Diagram, dot, exceeds_defaults_of_mermaid, mermaid, svg};
 use longstep_picture::scene::{self, Scene};
 
 use crate::arguments::{ExportArguments, PlanFormat};
@@ -60,7 +60,8 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
 
 /// Prints a plan in the format that is wanted.
 fn write(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, answer: &Answer) -> Result<()> {
-    let world = &draft.world;
+    // Not that of the draft, which lacks the values and texts in the plan.
+    let world = verified.world();
     let diagram = || Diagram::of(verified, &draft.annotations());
     let text = match arguments.format {
         PlanFormat::Json => return output::json(&answer.plan.clone().of_domain(world.domain())),
@@ -72,8 +73,7 @@ fn write(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, an
                 Guards::None
             };
             behavior_tree::write(world, verified.plan(), guards).map_err(|error| {
-                Failure::unreadable(format!("no behavior tree can have this plan: {error}"))
-                    .hint("rename the entity, or leave out `--guards`")
+                Failure::unreadable(format!("no behavior tree can have this plan: {error}")).hint(error.hint())
             })?
         }
         PlanFormat::Pddl if !verified.plan().is_sequence() => return Err(no_task(&WriteError::Branches).into()),
@@ -89,6 +89,11 @@ fn write(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, an
             before_and_after(verified, &options)
         }
     };
+    if arguments.format == PlanFormat::Mermaid && exceeds_defaults_of_mermaid(&text) {
+        remark!(
+            "note: pages draw this chart once `maxEdges` and `maxTextSize` of Mermaid are raised; `--format svg` has no limit"
+        );
+    }
     output::document(&text);
     Ok(())
 }

@@ -39,14 +39,14 @@ impl Answers {
             places: Some(reader.places()),
             pddl,
         };
-        let given = self.kind.iter().all(|kind| !kind.examples.is_empty()) && !self.start.is_empty();
-        let problem = if given {
+        let problem = if self.start.is_empty() {
+            let domain = longstep_core::domain::from_pddl("the answers", &blueprint.pddl)?;
+            problem::write(&domain, &reader.names())
+        } else {
             MadeUp {
                 text: reader.problem(),
                 is_partial: false,
             }
-        } else {
-            problem::write(&longstep_core::domain::from_pddl("the answers", &blueprint.pddl)?)
         };
         if reader.findings.is_empty() {
             Ok((blueprint, problem))
@@ -269,12 +269,26 @@ impl AnswerReader<'_> {
         texts.collect()
     }
 
+    /// Returns the names of the examples by the name of their kind.
+    fn names(&self) -> problem::Names {
+        let mut names = problem::Names::new();
+        for (name, kind) in &self.things {
+            let own = names.entry(self.kind_name(*kind)).or_default();
+            own.push(identifier(&name.join("_")));
+        }
+        names
+    }
+
     /// Writes the example problem from the things and the facts at the start.
     fn problem(&mut self) -> String {
         let answers = self.answers;
         let mut objects = String::new();
-        for (name, kind) in &self.things {
-            let _ = write!(objects, " {} - {}", identifier(&name.join("_")), self.kind_name(*kind));
+        let mut names = self.names();
+        for kind in (0..answers.kind.len()).map(|kind| self.kind_name(kind)) {
+            let numbered = || [1, 2].map(|number| format!("{kind}_{number}")).to_vec();
+            for name in names.remove(&kind).unwrap_or_else(numbered) {
+                let _ = write!(objects, " {name} - {kind}");
+            }
         }
         let mut facts = String::new();
         for text in &answers.start {

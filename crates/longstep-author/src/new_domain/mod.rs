@@ -117,7 +117,7 @@ pub fn from_any_pddl(
         new.notes.extend(own.notes);
         return Ok(new);
     }
-    let made_up = problem::write(&own.domain);
+    let made_up = problem::write(&own.domain, &problem::Names::new());
     let source = SourceText {
         file: "the made-up problem",
         text: &made_up.text,
@@ -170,13 +170,16 @@ fn complete(
     let words = Words::of(bare, blueprint);
     // The author's file that the environment is made from.
     let source = if invented { pddl_file } else { problem.file };
-    let problem = longstep_core::pddl::read_start(bare, problem.file, problem.text).map_err(|findings| {
-        if invented {
-            of_author(findings, pddl_file)
-        } else {
-            findings
+    // Places in a text that was rewritten are no places in the author's file.
+    let of_author = |mut findings: Diagnostics| {
+        if own.rewritten.is_some() {
+            let in_domain = findings.0.iter_mut().filter(|finding| finding.file == "domain.pddl");
+            in_domain.for_each(|finding| finding.position = None);
         }
-    })?;
+        self::of_author(findings, pddl_file)
+    };
+    let problem = longstep_core::pddl::read_start(bare, problem.file, problem.text)
+        .map_err(|findings| if invented { of_author(findings) } else { findings })?;
     let lists = example_world::lists(bare, blueprint, &problem.world);
     let mut files = vec![
         ("domain.pddl".to_owned(), blueprint.pddl.clone()),
@@ -184,11 +187,11 @@ fn complete(
         ("prompt/goal.md".to_owned(), example::TASK.to_owned()),
         ("prompt/examples.toml".to_owned(), String::new()),
     ];
-    let first = load_files(&files, pddl_file)?;
+    let first = load_files(&files).map_err(of_author)?;
     let environment = example_world::environment(&first, &problem.world, lists);
     let json = example_world::json(&environment, "./schemas/environment.schema.json");
     let world = environment::parse(&first, "environment.json", &json);
-    let world = world.map_err(|findings| of_author(findings, source))?;
+    let world = world.map_err(|findings| self::of_author(findings, source))?;
     let mut sampler = Sampler::default();
     let samples = sampler.samples(&world, SUITE, 0);
     let without_examples = samples.is_empty().then(|| {
@@ -216,7 +219,7 @@ fn complete(
         files.push(("prompt/plans.toml".to_owned(), example::plans(&world, &mut sampler)));
         files[3].1 = example::examples(&world, &mut sampler);
     }
-    let domain = load_files(&files, pddl_file)?;
+    let domain = load_files(&files).map_err(of_author)?;
     let shown = Files::from_texts("", files.iter().cloned());
     let mut findings = lint(&domain, &shown);
     findings.extend(lint_environment(&world, &shown, "environment.json", &json));
@@ -243,9 +246,8 @@ fn complete(
     })
 }
 
-/// Loads the files; `pddl_file` is the author's name for the text of `domain.pddl`.
-fn load_files(files: &[(String, String)], pddl_file: &str) -> Result<Domain, Diagnostics> {
-    domain::load(&Files::from_texts("", files.iter().cloned())).map_err(|findings| of_author(findings, pddl_file))
+fn load_files(files: &[(String, String)]) -> Result<Domain, Diagnostics> {
+    domain::load(&Files::from_texts("", files.iter().cloned()))
 }
 
 /// Returns the findings about the files of a new domain as findings about the author's file: that is `domain.pddl` by

@@ -4,6 +4,7 @@
 //! that no earlier action achieves (delete relaxation). A fact with an argument that actions move ("the robot is at a
 //! room") is given once, others for every object of their kind.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use indexmap::IndexSet;
@@ -59,9 +60,12 @@ impl MadeUp {
     }
 }
 
-/// Writes a problem for the domain.
-pub(super) fn write(domain: &Domain) -> MadeUp {
-    let sketch = Sketch::new(domain);
+/// Names of things, by the name of their kind.
+pub(super) type Names = BTreeMap<String, Vec<String>>;
+
+/// Writes a problem for the domain. Kinds that are not among the `names` get numbered things.
+pub(super) fn write(domain: &Domain, names: &Names) -> MadeUp {
+    let sketch = Sketch::new(domain, names);
     let facts = effort::within(EFFORT, || sketch.initial_facts());
     MadeUp {
         text: written(domain, &sketch, &facts.result),
@@ -108,7 +112,7 @@ fn required(action: &Action) -> impl Iterator<Item = &Atom> {
 }
 
 impl<'d> Sketch<'d> {
-    fn new(domain: &'d Domain) -> Self {
+    fn new(domain: &'d Domain, names: &Names) -> Self {
         let all = TypeId::OBJECT.index()..domain.types.names().count();
         let leaves: Vec<bool> = all.clone().map(|kind| is_leaf(domain, TypeId::new(kind))).collect();
         let mut kinds: IndexSet<Kind> = IndexSet::new();
@@ -158,8 +162,11 @@ impl<'d> Sketch<'d> {
                 TypeId::OBJECT => named.unwrap_or("item"),
                 of => domain.types.name(of),
             };
-            for number in 1..=wanted {
-                let mut name = format!("{base}_{number}");
+            let numbered = || (1..=wanted).map(|number| format!("{base}_{number}")).collect();
+            let given = names
+                .get(base)
+                .filter(|given| !given.iter().any(|name| taken.contains(name)));
+            for mut name in given.cloned().unwrap_or_else(numbered) {
                 while !taken.insert(name.clone()) {
                     name.push_str("_b");
                 }

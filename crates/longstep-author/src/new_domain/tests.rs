@@ -314,6 +314,21 @@ fn misspelt_kind_corrects_misspelled_names_of_kinds() {
 }
 
 #[test]
+fn examples_name_the_things_without_a_start_too() {
+    let (before, after) = PORTER.split_once("start = [").unwrap();
+    let after = after.split_once("]\n").unwrap().1;
+    for start in ["", "start = []\n"] {
+        let answers = Answers::read("answers.toml", &format!("{before}{start}{after}")).unwrap();
+        let new = from_answers(&answers).unwrap_or_else(|findings| panic!("{findings}"));
+        let (_, environment) = new.files.iter().find(|(name, _)| name == "environment.json").unwrap();
+        for name in ["<red_box>", "<blue_box>", "<top_shelf>", "<low_shelf>", "<front_door>"] {
+            assert!(environment.contains(name), "{environment}");
+        }
+        assert!(!environment.contains("_1>"), "{environment}");
+    }
+}
+
+#[test]
 fn same_state_finds_other_wordings_of_a_known_state() {
     let answers = Answers::read("answers.toml", PORTER).unwrap();
     let none = super::ActionAnswer::default();

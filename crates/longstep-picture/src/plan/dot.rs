@@ -76,7 +76,6 @@ fn quoted(text: &str) -> String {
             '\n' => quoted.push_str("\\n"),
             // Graphviz reads the entities of HTML in labels.
             '&' => quoted.push_str("&amp;"),
-            _ if character.is_control() || longstep_core::visible::is_hidden(character) => quoted.push('\u{fffd}'),
             _ => quoted.push(character),
         }
     }
@@ -94,7 +93,6 @@ mod tests {
             ("say \"end\"]", "\"say \\\"end\\\"]\""),
             ("a\\N\nb", "\"a\\\\N\\nb\""),
             ("&lt;<b>", "\"&amp;lt;<b>\""),
-            ("a\u{7}\u{202e}", "\"a\u{fffd}\u{fffd}\""),
         ] {
             assert_eq!(quoted(text), expected);
         }

@@ -1,5 +1,7 @@
 //! A diagram as a flowchart, for Mermaid and for Graphviz.
 
+use longstep_core::visible;
+
 use super::{Diagram, DiagramNode, LaneRow, StepNode};
 
 /// A shape in a flowchart.
@@ -36,7 +38,7 @@ pub(super) struct Arrow {
     pub(super) is_remark: bool,
 }
 
-/// A plan as shapes and arrows.
+/// A plan as shapes and arrows. Its texts are single lines, in which everything is visible.
 #[derive(Debug, Default)]
 pub(super) struct Flowchart {
     pub(super) shapes: Vec<Shown>,
@@ -82,6 +84,7 @@ impl Flowchart {
     }
 
     fn shape(&mut self, shape: Shape, lines: Vec<String>, lane: Option<usize>) -> usize {
+        let lines = lines.iter().map(|line| visible::line(line).into_owned()).collect();
         self.shapes.push(Shown { shape, lines, lane });
         self.shapes.len() - 1
     }
@@ -92,7 +95,7 @@ impl Flowchart {
             self.arrows.push(Arrow {
                 from,
                 to,
-                label,
+                label: visible::line(&label).into_owned(),
                 is_remark: false,
             });
         }
@@ -178,7 +181,8 @@ impl Flowchart {
 
     fn lanes(&mut self, lanes: &[String], rows: &[LaneRow], open: Open) -> Open {
         let first = self.lanes.len();
-        self.lanes.extend(lanes.iter().cloned());
+        self.lanes
+            .extend(lanes.iter().map(|name| visible::line(name).into_owned()));
         let fork = self.shape(Shape::Bar, vec!["together".to_owned()], None);
         self.join(open, fork);
         let mut ends: Vec<Open> = lanes.iter().map(|_| vec![(fork, String::new())]).collect();

@@ -47,6 +47,22 @@ pub fn mermaid(diagram: &Diagram) -> String {
     text
 }
 
+/// Returns true if a page with Mermaid refuses the chart until its limits are raised: `maxTextSize`, by default 50,000
+/// characters, and `maxEdges`, by default 500 arrows.
+///
+/// ```
+/// use longstep_picture::plan::exceeds_defaults_of_mermaid;
+/// assert!(!exceeds_defaults_of_mermaid("flowchart TD\n  n0 --> n1\n"));
+/// assert!(exceeds_defaults_of_mermaid(&"  n0 --> n1\n".repeat(501)));
+/// ```
+pub fn exceeds_defaults_of_mermaid(chart: &str) -> bool {
+    let is_arrow = |line: &&str| {
+        let rest = line.strip_prefix("  n").unwrap_or_default();
+        rest.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(" -")
+    };
+    chart.encode_utf16().count() > 50_000 || chart.lines().filter(is_arrow).count() > 500
+}
+
 fn shape(number: usize, shown: &Shown, indent: &str, text: &mut String) {
     let (open, close) = match shown.shape {
         Shape::Terminal => ("([", "])"),
@@ -77,14 +93,16 @@ fn escaped(text: &str) -> String {
             || (character == '.' && at != number);
         if is_plain {
             escaped.push(character);
-            // `fa:fa-ban` would become a picture, also as a number.
-            if character == ':' && text[at + 1..].starts_with("fa-") {
-                escaped.push(WORD_JOINER);
-            }
-        } else if character.is_control() || longstep_core::visible::is_hidden(character) {
-            escaped.push('\u{fffd}');
         } else {
             let _ = write!(escaped, "#{};", u32::from(character));
+        }
+        // These would become a picture, a line break and a formula, also as numbers.
+        let rest = &text[at + character.len_utf8()..];
+        if [(':', "fa-"), ('\\', "n"), ('$', "$")]
+            .iter()
+            .any(|(own, next)| *own == character && rest.starts_with(next))
+        {
+            escaped.push(WORD_JOINER);
         }
     }
     escaped
@@ -103,7 +121,8 @@ mod tests {
             ("say \"end\"]", "say #34;end#34;#93;"),
             ("<b>`*x*`#1;", "#60;b#62;#96;#42;x#42;#96;#35;1#59;"),
             ("ключ \u{1f600}", "ключ #128512;"),
-            ("a\nb\u{202e}", "a\u{fffd}b\u{fffd}"),
+            ("C:\\new", "C:#92;\u{2060}new"),
+            ("$$x$$", "#36;\u{2060}#36;x#36;\u{2060}#36;"),
         ] {
             assert_eq!(escaped(text), expected);
         }

@@ -18,7 +18,7 @@ mod tests;
 pub use annotation::Annotations;
 pub use dot::dot;
 pub use draw::svg;
-pub use mermaid::mermaid;
+pub use mermaid::{exceeds_defaults_of_mermaid, mermaid};
 
 use std::collections::VecDeque;
 use std::ops::RangeBounds;

@@ -258,11 +258,12 @@ impl GoalFact {
     }
 
     /// Returns true if achieving the goal may move the entity: it is the subject, or an argument that the goal word disturbs.
-    /// A choice may move what one of its alternatives may move.
+    /// A goal word without a subject is about all its arguments. A choice may move what one of its alternatives may move.
     fn may_move(&self, domain: &Domain, entity: EntityId) -> bool {
         let is_subject = self.subject(domain) == Some(entity);
         match self {
             Self::Choice(choice) => choice.alternatives().any(|goal| goal.may_move(domain, entity)),
+            Self::Word { word, arguments } if domain.goal_word(*word).subject.is_none() => arguments.contains(&entity),
             Self::Word { word, arguments } => {
                 let mut disturbed = domain.goal_word(*word).disturbs.iter();
                 is_subject || disturbed.any(|parameter| arguments[*parameter] == entity)

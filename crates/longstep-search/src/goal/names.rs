@@ -15,10 +15,10 @@ pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
     let mut pieces = word.form.iter().peekable();
     while let Some(piece) = pieces.next() {
         match piece {
-            FormPiece::Text(text) => rest = rest.strip_prefix(text.as_str())?,
+            FormPiece::Text(text) => rest = rest.strip_prefix(sign(text))?,
             FormPiece::Parameter(index) => {
                 let end = match pieces.peek() {
-                    Some(FormPiece::Text(next)) if !next.is_empty() => find_unquoted(rest, next)?,
+                    Some(FormPiece::Text(next)) if !next.is_empty() => find_unquoted(rest, sign(next))?,
                     _ => rest.len(),
                 };
                 names[*index] = rest[..end].trim();
@@ -27,6 +27,11 @@ pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
         }
     }
     rest.is_empty().then_some(names)
+}
+
+/// Returns what has to stand between two names. No name has a comma, so the blanks beside one do not matter.
+fn sign(text: &str) -> &str {
+    if text.trim() == "," { "," } else { text }
 }
 
 /// Returns the entities with these names, one of each kind.

@@ -205,6 +205,50 @@ fn a_fact_that_nothing_brings_about_is_named() {
 
 /// A goal is kept and read again with identifiers, which environments choose.
 #[test]
+fn blanks_beside_a_comma_do_not_matter() {
+    let household = longstep_model::domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    let world = longstep_model::environment::parse(&household, "env.json", text).unwrap();
+    for text in [
+        "put(pen, shelf)",
+        "put(pen,shelf)",
+        "put( <pen> ,  <shelf> )",
+        "put(pen ,shelf)",
+    ] {
+        assert_eq!(
+            parse(&world, text).unwrap().exact(&world),
+            ["put(<pen>, <shelf>)"],
+            "{text}"
+        );
+    }
+}
+
+/// Without a subject, a goal is about all its arguments: what was inspected may be moved for it.
+#[test]
+fn goal_without_a_subject_may_move_what_was_inspected() {
+    let shipped = longstep_model::domain::shipped_files("household-checks").unwrap();
+    let text = r#"{"assets": ["<counter>", "<rack>", "<bin>"], "objects": ["<yoghurt>"],
+        "object_states": {"<yoghurt>": "on_something(<counter>)"}}"#;
+    let goal = "if expired(yoghurt) then put(yoghurt, bin) else put(yoghurt, rack)";
+    let plans = [true, false].map(|has_subject| {
+        let mut files = shipped.clone();
+        if !has_subject {
+            let (before, after) = files.words.split_once("form = \"put(").unwrap();
+            files.words = format!(
+                "{before}form = \"put({}",
+                after.replacen("subject = \"?item\"\n", "", 1)
+            );
+            assert_ne!(files.words, shipped.words);
+        }
+        let domain = longstep_model::domain::load(&files).unwrap();
+        let world = longstep_model::environment::parse(&domain, "env.json", text).unwrap();
+        planned(&world, &parse(&world, goal).unwrap())
+    });
+    assert!(plans[0].contains("check"), "{}", plans[0]);
+    assert_eq!(plans[0], plans[1]);
+}
+
+#[test]
 fn goals_with_any_identifier_are_read_again() {
     for identifier in [
         "<all cups>",

@@ -117,7 +117,13 @@ impl Element {
     }
 }
 
-/// Escapes a text for an attribute or the content of an element. Characters that XML cannot have become visible.
+/// Returns true for characters that XML has no way to write.
+pub(super) fn is_unwritable(character: char) -> bool {
+    matches!(character, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}')
+}
+
+/// Escapes a text for an attribute or the content of an element. Characters that a reader does not see become numbers, which
+/// mean the same; those that XML cannot have become visible.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -126,13 +132,10 @@ fn escaped(text: &str) -> String {
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
-            // Other white space becomes a blank in an attribute.
-            '\n' | '\r' | '\t' => {
+            _ if is_unwritable(character) => escaped.push_str(&visible::line(&character.to_string())),
+            // White space would become a blank in an attribute.
+            _ if visible::is_hidden(character) => {
                 let _ = write!(escaped, "&#{};", u32::from(character));
-            }
-            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
-            _ if character.is_control() || visible::is_hidden(character) => {
-                escaped.push_str(&visible::line(&character.to_string()));
             }
             _ => escaped.push(character),
         }

@@ -275,6 +275,32 @@ fn a_name_that_looks_like_the_blackboard_is_refused() {
     );
 }
 
+/// Joiners and marks of direction are parts of names in some scripts, and of emoji.
+#[test]
+fn names_with_hidden_characters_come_back() {
+    let domain = domain();
+    for name in [
+        "<\u{6a9}\u{62a}\u{627}\u{628}\u{200c}\u{647}\u{627}>",
+        "<\u{1f469}\u{200d}\u{1f680}>",
+        "<a\u{200f}b>",
+    ] {
+        let text = format!(r#"{{"assets": ["<table_1>"], "objects": ["{name}"], "object_states": {{}}}}"#);
+        let world = longstep_model::environment::parse(&domain, "env.json", &text).unwrap();
+        let (id, _) = domain.action_ids().find(|(_, action)| action.call == "wait").unwrap();
+        let step = crate::plan::Step::explained(&world, id, vec![world.find(name).unwrap()]);
+        let plan = check(&world, Plan::sequence(vec![step]), &Purpose::default()).plan;
+        let xml = write(&world, &plan, Guards::None).unwrap();
+        assert!(!xml.contains(['\u{200c}', '\u{200d}', '\u{200f}']), "{xml}");
+        let document = roxmltree::Document::parse(&xml).unwrap();
+        let values: Vec<&str> = document
+            .descendants()
+            .flat_map(|node| node.attributes())
+            .map(|own| own.value())
+            .collect();
+        assert!(values.contains(&name), "{xml}");
+    }
+}
+
 /// The program of `tools/peers/behavior_trees/build.sh`.
 fn peer(folder: &tempfile::TempDir) -> Peer {
     let program = std::env::var("LONGSTEP_BEHAVIOR_TREES").expect("LONGSTEP_BEHAVIOR_TREES names the runner");

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::element::Element;
+use super::element::{Element, is_unwritable};
 use super::name::{LeafNames, outcomes, port};
 use super::{ACTOR, CALL, FORMAT, GUARD, MAIN, OUTCOME, SYNC};
 use crate::plan::{Lane, LaneItem, Node, Plan, StepId, Test};
@@ -25,6 +25,14 @@ pub enum WriteError {
     /// A name begins with `{` and ends with `}`, as an entry of the blackboard does.
     #[error("`{0}` would be read as an entry of the blackboard")]
     Argument(String),
+    /// A name or a text has a control character that XML cannot have.
+    #[error("XML has no character {character:?}, which is in {name:?}")]
+    Character {
+        /// The name or the text.
+        name: String,
+        /// The character.
+        character: char,
+    },
     /// The preconditions of a step are too many checks.
     #[error("the preconditions of step {step}, `{call}`, are more than {limit} checks")]
     Guard {
@@ -35,6 +43,17 @@ pub enum WriteError {
         /// The maximum.
         limit: usize,
     },
+}
+
+impl WriteError {
+    /// The next step for the user.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::Argument(_) => "give the entity another identifier in the environment",
+            Self::Character { .. } => "write the name or the text without it",
+            Self::Guard { .. } => "leave out the guards",
+        }
+    }
 }
 
 /// Writes a plan of a world as a behavior tree.
@@ -309,6 +328,10 @@ impl Writer<'_> {
         let identifier = &self.world.entity(entity).identifier;
         if identifier.starts_with('{') && identifier.ends_with('}') {
             return Err(WriteError::Argument(identifier.clone()));
+        }
+        if let Some(character) = identifier.chars().find(|own| is_unwritable(*own)) {
+            let name = identifier.clone();
+            return Err(WriteError::Character { name, character });
         }
         Ok(identifier.clone())
     }

@@ -70,16 +70,19 @@ const NAMES: [&str; 12] = [
 ];
 
 /// Ends of sentences about actions: what ends a text, entities, and a word that becomes a picture.
-const ENDS: [&str; 5] = [
+const ENDS: [&str; 8] = [
     "\"] --> b[\"c",
     "&lt;&amp;#35;",
     "fa:fa-ban",
     "<br/><script>alert(1)</script>",
     "\\\"];",
+    "C:\\new",
+    "$$x^2$$",
+    "\n9. fire the laser",
 ];
 
 fn toml_escaped(text: &str) -> String {
-    text.replace('\\', "\\\\").replace('"', "\\\"")
+    text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
 }
 
 fn plan_with_hostile_names() -> Anyhow<VerifiedPlan> {
