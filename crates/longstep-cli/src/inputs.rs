@@ -106,8 +106,13 @@ pub(crate) fn plan(path: &Path) -> Result<(Draft, String)> {
     Ok((draft, text))
 }
 
-/// Reads the text of a plan file, which may also be what a planner printed.
+/// Reads the text of a plan file, which may also be what a planner printed. `-` is the standard input.
 pub(crate) fn plan_text(path: &Path, domain: &longstep_core::domain::Domain) -> Result<DraftText> {
+    let path = if path.as_os_str() == "-" {
+        Path::new("/dev/stdin")
+    } else {
+        path
+    };
     let text = read_text(path)?;
     DraftText::read(&path.display().to_string(), &text, Notation::of_file(path), domain).map_err(no_draft)
 }

@@ -23,6 +23,13 @@ LATCHED = QoSProfile(depth=50, durability=DurabilityPolicy.TRANSIENT_LOCAL, reli
 PLAIN = QoSProfile(depth=50)
 
 
+def fits(message, fields):
+    """True if a message has these fields; those of an object inside may be some of its fields too."""
+    if not isinstance(fields, dict):
+        return message == fields
+    return isinstance(message, dict) and all(key in message and fits(message[key], value) for key, value in fields.items())
+
+
 class Caller:
     def __init__(self, namespace):
         self.node = rclpy.create_node("caller")
@@ -53,8 +60,7 @@ class Caller:
 
     def see(self, topic, fields):
         def found():
-            fits = (own for own in reversed(self.seen[topic]) if all(own.get(k) == v for k, v in fields.items()))
-            return next(fits, None)
+            return next((own for own in reversed(self.seen[topic]) if fits(own, fields)), None)
         return self.wait(found)
 
     def ask(self, kind, request):
@@ -85,7 +91,7 @@ class Caller:
         # A bridge may keep more than the last message; then the earlier ones come first.
         messages = []
         subscription = self.node.create_subscription(String, f"{self.namespace}/{topic}", self.keeper(messages), LATCHED)
-        found = self.wait(lambda: next((own for own in messages if all(own.get(k) == v for k, v in fields.items())), None))
+        found = self.wait(lambda: next((own for own in messages if fits(own, fields)), None))
         self.node.destroy_subscription(subscription)
         return found
 

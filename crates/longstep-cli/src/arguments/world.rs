@@ -47,7 +47,8 @@ pub(crate) fn required(env: Option<&Path>) -> Result<&Path> {
 /// A plan and its world.
 #[derive(Debug, Args)]
 pub(crate) struct DraftArguments {
-    /// Plan: a file in the paper's JSON format, a script (.py), a model's reply that contains a plan, or what a planner prints
+    /// Plan: a file in the paper's JSON format, a script (.py), a model's reply that contains a plan, or what a planner prints;
+    /// `-` reads stdin
     #[arg(value_name = "PLAN")]
     pub(crate) plan: PathBuf,
     /// Environment file (the world before the plan) [default: the plan's own `environment_before`]

@@ -67,7 +67,7 @@ pub use skill::{SkillFit, SkillParameter, SkillSource, SkillType};
 pub use support::{StateVariable, support};
 pub use template::{Template, phrase};
 pub use trace::{Change, Changes, Ending, NumberChange, StepId, Trace};
-pub use value::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
+pub use value::{OutOfRange, QuantityForm, TEXT_VALUE_LIMIT, Value, ValueForm, ValueMention, ValueType};
 pub use wanted::Wanted;
 pub use wording::{entries_of, entry_of_number, state_word, subject_of, written_fact};
 pub use world::{AssumptionSource, ENTITY_LIMIT, Entity, World};

@@ -65,7 +65,7 @@ pub struct OutOfRange {
 }
 
 /// The largest number of characters of a text value.
-const TEXT_LIMIT: usize = 200;
+pub const TEXT_VALUE_LIMIT: usize = 200;
 
 /// The largest number of values that one text adds to a world.
 pub(super) const VALUE_LIMIT: usize = 50;
@@ -162,7 +162,7 @@ impl Domain {
         let end = start + text[start..].find(*closing)?;
         let content = text[start..end].trim();
         let unfit = |c: char| c.is_control() || c == '"' || c == '\\';
-        if content.is_empty() || content.contains(unfit) || content.chars().count() > TEXT_LIMIT {
+        if content.is_empty() || content.contains(unfit) || content.chars().count() > TEXT_VALUE_LIMIT {
             return None;
         }
         let closing = text[end..].chars().next()?;

@@ -46,7 +46,8 @@ pub(crate) struct Line {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SvgOptions {
     pub(crate) width: f64,
-    prefix: String,
+    /// The start of all ids; none for one that follows from the content.
+    prefix: Option<String>,
     pub(crate) title: String,
     style: bool,
 }
@@ -60,17 +61,18 @@ impl SvgOptions {
         let width = if width.is_finite() { width } else { WIDTHS.0 };
         Self {
             width: width.clamp(WIDTHS.0, WIDTHS.1).floor(),
-            prefix: "longstep".to_owned(),
+            prefix: None,
             title: String::new(),
             style: true,
         }
     }
 
-    /// Sets the start of all ids, so that several pictures fit on one page. Characters other than ASCII letters, digits, `-` and `_` are left out.
+    /// Sets the start of all ids, which otherwise follows from the content, so that different pictures fit on one page.
+    /// Characters other than ASCII letters, digits, `-` and `_` are left out.
     #[must_use]
     pub fn with_prefix(mut self, prefix: &str) -> Self {
         let is_plain = |c: &char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
-        self.prefix = prefix.chars().filter(is_plain).collect();
+        self.prefix = Some(prefix.chars().filter(is_plain).collect());
         self
     }
 
@@ -89,6 +91,14 @@ impl SvgOptions {
     }
 }
 
+/// Returns a number that different texts hardly share (FNV-1a).
+fn digest(texts: [&str; 3]) -> u32 {
+    let bytes = texts.iter().flat_map(|text| text.bytes());
+    bytes.fold(0x811c_9dc5, |digest, byte| {
+        (digest ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+    })
+}
+
 /// An SVG that is written.
 #[derive(Debug, Default)]
 pub(crate) struct Canvas {
@@ -101,7 +111,8 @@ impl Canvas {
         let mut out = String::with_capacity(self.body.len() + 4_096);
         let scale = options.width / drawn.0;
         let (width, height) = (number(drawn.0), number(drawn.1.ceil()));
-        let prefix = &options.prefix;
+        let of_content = || format!("longstep-{:08x}", digest([title, description, self.body.as_str()]));
+        let prefix = options.prefix.clone().unwrap_or_else(of_content);
         let _ = write!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"{prefix}\" class=\"ls-picture\" role=\"img\" \

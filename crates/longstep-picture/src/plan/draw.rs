@@ -2,7 +2,7 @@
 
 use super::layout::whole;
 use super::piece::Piece;
-use super::{Diagram, DiagramNode, LaneRow};
+use super::{Diagram, DiagramNode, LaneRow, StepNode};
 use crate::draw::SvgOptions;
 use crate::draw::canvas::Canvas;
 use crate::draw::theme;
@@ -68,18 +68,43 @@ fn part(canvas: &mut Canvas, piece: &Piece) {
 
 /// Describes the plan for readers who do not see it: its steps in order, with their branches.
 fn description(diagram: &Diagram) -> String {
-    let mut sentences = Vec::new();
     if diagram.nodes.is_empty() {
-        sentences.push("There is nothing to do.".to_owned());
+        return "There is nothing to do.".to_owned();
     }
-    describe(&diagram.nodes, &mut sentences);
-    sentences.join(" ")
+    let mut telling = Telling::default();
+    telling.nodes(&diagram.nodes);
+    telling.sentences.join(" ")
 }
 
-fn describe(nodes: &[DiagramNode], sentences: &mut Vec<String>) {
-    for node in nodes {
+/// Sentences about a plan.
+#[derive(Default)]
+struct Telling {
+    sentences: Vec<String>,
+    /// The words that lead on, if anything follows.
+    then: Option<&'static str>,
+}
+
+impl Telling {
+    fn say(&mut self, sentence: String) {
+        self.sentences.extend(self.then.take().map(str::to_owned));
+        self.sentences.push(sentence);
+    }
+
+    fn steps<'s>(&mut self, steps: impl IntoIterator<Item = &'s StepNode>) {
+        for step in steps {
+            self.say(format!("{}. {}.", step.number, step.text));
+        }
+    }
+
+    fn nodes(&mut self, nodes: &[DiagramNode]) {
+        for node in nodes {
+            self.node(node);
+        }
+    }
+
+    fn node(&mut self, node: &DiagramNode) {
         match node {
-            DiagramNode::Step(step) => sentences.push(format!("{}. {}.", step.number, step.text)),
+            DiagramNode::Step(step) => self.steps([step]),
             DiagramNode::Branch {
                 condition,
                 sensing,
@@ -87,38 +112,46 @@ fn describe(nodes: &[DiagramNode], sentences: &mut Vec<String>) {
                 other,
                 ..
             } => {
-                sentences.extend(sensing.iter().map(|step| format!("{}. {}.", step.number, step.text)));
-                sentences.push(format!("If {condition}:"));
-                describe(then, sentences);
-                sentences.push("Otherwise:".to_owned());
-                describe(other, sentences);
-                sentences.push("In both cases:".to_owned());
+                self.steps(sensing);
+                self.say(format!("If {condition}:"));
+                self.nodes(then);
+                self.then = None;
+                self.say(
+                    if other.is_empty() {
+                        "Otherwise nothing."
+                    } else {
+                        "Otherwise:"
+                    }
+                    .to_owned(),
+                );
+                self.nodes(other);
+                self.then = Some("In both cases:");
             }
             DiagramNode::Loop {
                 condition,
                 sensing,
                 body,
             } => {
-                sentences.push(format!("Again as long as {condition}:"));
-                sentences.extend(sensing.iter().map(|step| format!("{}. {}.", step.number, step.text)));
-                describe(body, sentences);
-                sentences.push("After that:".to_owned());
+                self.say(format!("Again as long as {condition}:"));
+                self.steps(sensing);
+                self.nodes(body);
+                self.then = Some("After that:");
             }
             DiagramNode::Repeat { times, body } => {
-                sentences.push(format!("{times} times:"));
-                describe(body, sentences);
-                sentences.push("After that:".to_owned());
+                self.say(format!("{times} times:"));
+                self.nodes(body);
+                self.then = Some("After that:");
             }
             DiagramNode::Lanes { lanes, rows } => {
-                sentences.push(format!("At the same time, {}:", lanes.join(" and ")));
-                let cells = rows.iter().filter_map(|row| match row {
-                    LaneRow::Unit { cells } => Some(cells.iter().flatten()),
-                    _ => None,
-                });
-                sentences.extend(cells.flatten().map(|step| format!("{}. {}.", step.number, step.text)));
-                sentences.push("After that:".to_owned());
+                self.say(format!("At the same time, {}:", lanes.join(" and ")));
+                for row in rows {
+                    if let LaneRow::Unit { cells } = row {
+                        self.steps(cells.iter().flatten());
+                    }
+                }
+                self.then = Some("After that:");
             }
-            DiagramNode::Remark { text } => sentences.push(text.clone()),
+            DiagramNode::Remark { text } => self.say(text.clone()),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::change::Changes;
 use super::draw::Drawing;
-use super::layout::{GAP, Layout, NAME};
+use super::layout::{GAP, Layout, NAME, needs_captions};
 use super::{Scene, change};
 use crate::draw::SvgOptions;
 use crate::draw::canvas::{Canvas, Line};
@@ -43,13 +43,14 @@ pub fn comparison(before: (&str, &Scene), afters: &[(String, Scene)], options: &
         .collect();
     let width = (options.width / 2.0).floor();
     let (columns, width) = if width < LEAST { (1, options.width) } else { (2, width) };
+    let captions = panes.iter().any(|(_, drawing)| needs_captions(drawing.scene));
     let mut canvas = Canvas::default();
     let mut top = 0.0;
     for row in panes.chunks(columns) {
         let bottoms = row.iter().enumerate().map(|(column, (heading, drawing))| {
             #[expect(clippy::cast_precision_loss, reason = "there are two columns")]
             let left = column as f64 * width;
-            pane(&mut canvas, heading, drawing, (left, top), width)
+            pane(&mut canvas, heading, drawing, captions, (left, top), width)
         });
         top = bottoms.fold(top, f64::max);
     }
@@ -66,7 +67,14 @@ pub fn comparison(before: (&str, &Scene), afters: &[(String, Scene)], options: &
 }
 
 /// Draws a heading and a scene below it. Returns the end of the scene.
-fn pane(canvas: &mut Canvas, heading: &str, drawing: &Drawing<'_>, (left, top): (f64, f64), width: f64) -> f64 {
+fn pane(
+    canvas: &mut Canvas,
+    heading: &str,
+    drawing: &Drawing<'_>,
+    captions: bool,
+    (left, top): (f64, f64),
+    width: f64,
+) -> f64 {
     let mut below = top + GAP;
     for text in wrapped(heading, NAME, width - 2.0 * GAP, HEADING_LINES) {
         below += NAME.line_height();
@@ -78,7 +86,8 @@ fn pane(canvas: &mut Canvas, heading: &str, drawing: &Drawing<'_>, (left, top): 
             paint: theme::INK,
         });
     }
-    let mut whole = Layout::new(drawing.scene, drawing.changes, width).whole();
+    let layout = Layout::new(drawing.scene, drawing.changes, width).with_captions(captions);
+    let mut whole = layout.whole();
     let height = whole.area.height;
     whole.shift(left, below);
     drawing.whole(canvas, &whole);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::change::{Changes, StateChange};
 use super::schema::Relation;
-use super::{Role, Scene};
+use super::{Role, Scene, SceneBox};
 use crate::draw::canvas::{Area, Line};
 use crate::draw::text::{Font, fitted, width, wrapped};
 use crate::draw::theme::{self, Paint};
@@ -59,6 +59,16 @@ impl Block {
     }
 }
 
+/// Returns true if things are both on and in others, so that pictures say which.
+pub(super) fn needs_captions(scene: &Scene) -> bool {
+    let has = |relation| scene.boxes.iter().any(|own| own.relation == Some(relation));
+    has(Relation::On) && has(Relation::In)
+}
+
+fn only_events(change: &StateChange) -> bool {
+    change.gained.is_empty() && change.lost.is_empty()
+}
+
 /// A scene that is laid out.
 pub(super) struct Layout<'s> {
     scene: &'s Scene,
@@ -70,6 +80,8 @@ pub(super) struct Layout<'s> {
     captions: bool,
     /// True if events are the only change.
     shows_events: bool,
+    /// Boxes that changed their place.
+    moved: Vec<bool>,
     /// Statements about no entity, and whether each is new.
     statements: Vec<(String, bool)>,
     /// Width of the picture.
@@ -92,21 +104,26 @@ impl<'s> Layout<'s> {
                 states[index] = Some(change);
             }
         }
-        let has = |relation| scene.boxes.iter().any(|own| own.relation == Some(relation));
+        let is_moved = |own: &SceneBox| changes.moved.iter().any(|moved| moved.id == own.id);
         let statements = scene.statements.iter();
-        let only_events = |change: &StateChange| change.gained.is_empty() && change.lost.is_empty();
         Self {
             scene,
             children,
             inside,
             states,
-            captions: has(Relation::On) && has(Relation::In),
+            captions: needs_captions(scene),
             shows_events: changes.moved.is_empty() && changes.states.iter().all(only_events),
+            moved: scene.boxes.iter().map(is_moved).collect(),
             statements: statements
                 .map(|text| (text.clone(), changes.now.contains(text)))
                 .collect(),
             full,
         }
+    }
+
+    /// Sets whether boxes say what is on and what is in them, as a scene beside this one does.
+    pub(super) fn with_captions(self, captions: bool) -> Self {
+        Self { captions, ..self }
     }
 
     /// Lays the whole scene out in a width: the robot, then places, then boxes without a place.
@@ -251,7 +268,7 @@ impl<'s> Layout<'s> {
             let suffix = if state.assumed { " (assumed)" } else { "" };
             (format!("{}{suffix}", state.text), is_new(&state.text))
         });
-        let happened = change.filter(|_| self.shows_events);
+        let happened = change.filter(|own| self.shows_events || (only_events(own) && !self.moved[index]));
         let happened = happened.into_iter().flat_map(|change| &change.happened);
         own.chain(happened.map(|event| (event.clone(), true))).collect()
     }

@@ -352,6 +352,28 @@ fn picture_of_a_scene() {
     insta::assert_snapshot!(svg(&scene, &Changes::default(), &options).replace("><", ">\n<"));
 }
 
+/// Both scenes say what is on and what is in a box if one needs to, and a mark has a reason that can be read.
+#[test]
+fn scenes_side_by_side_say_the_same_of_places_and_why_boxes_are_marked() {
+    let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<butter>", "<fridge_handle>"],
+        "object_states": {"<butter>": "inside_something(<fridge>)", "<fridge_handle>": ["on_something(<fridge>)", "closed()"]}}"#;
+    let world = testing::world("household", text);
+    let plan = testing::plan_for(&world, "put(butter, counter) & closed(fridge)");
+    let (before, after) = (Scene::of(&world, &world.state), Scene::of(&world, &plan.ending().after));
+    let svg = comparison(
+        ("Before", &before),
+        &[("After".to_owned(), after)],
+        &SvgOptions::new(900.0),
+    );
+    assert_eq!(svg.matches(">on it<").count(), 3, "{svg}");
+    let handle = svg.rsplit("data-id=\"&lt;fridge_handle&gt;\"").next().unwrap();
+    let handle = handle.split("data-id").next().unwrap();
+    assert!(
+        !handle.contains("ls-mark") || handle.matches("<text").count() > 2,
+        "{handle}"
+    );
+}
+
 /// Sets facts of a world at random, whatever they mean.
 fn random_state(world: &World, picks: &[(usize, usize, usize)]) -> State {
     let domain: &Domain = world.domain();

@@ -3,7 +3,7 @@
 use super::GoalError;
 use longstep_model::call::find_unquoted;
 use longstep_model::diagnostic::nearest;
-use longstep_model::model::{Distinctions, EntityId, FormPiece, GoalWord, TypeId, ValueForm, World};
+use longstep_model::model::{Distinctions, EntityId, FormPiece, GoalWord, TEXT_VALUE_LIMIT, TypeId, ValueForm, World};
 
 /// The largest number of entities that an error offers for a part of their names.
 const LONGER_NAMES: usize = 4;
@@ -83,7 +83,12 @@ fn unknown_name(world: &World, part: String, name: String, kind: TypeId) -> Goal
         return GoalError::NotAValue {
             kind: domain.types.name(kind).to_owned(),
             form: match &values.form {
-                ValueForm::Text => format!("a text in double quotes: `{name:?}`"),
+                ValueForm::Text if name.starts_with('"') => {
+                    format!(
+                        "a text of 1 to {TEXT_VALUE_LIMIT} characters without quotation marks and backslashes in it"
+                    )
+                }
+                ValueForm::Text => format!("a text in double quotes: `\"{name}\"`"),
                 ValueForm::Quantity(form) if form.unit.is_empty() => "a number".to_owned(),
                 ValueForm::Quantity(form) => format!("a number with its unit, `{}`", form.unit),
             },

@@ -9,10 +9,13 @@ use longstep_model::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use longstep_model::model::{Domain, EntityId, World};
 use longstep_verify::plan::Step;
 
-/// Writes steps with all their arguments, one per line, with the names of [`object_names`].
+/// Writes steps with all their arguments, one per line, with the names of [`object_names`]. A plan without steps is a comment.
 pub fn write_plan(world: &World, steps: &[Step]) -> String {
     let names = object_names(world);
     let mut plan = String::new();
+    if steps.is_empty() {
+        plan.push_str("; no steps\n");
+    }
     for step in steps {
         plan.push('(');
         plan.push_str(&world.domain().action(step.action).name);

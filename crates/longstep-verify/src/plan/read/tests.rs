@@ -254,9 +254,9 @@ fn reader_never_completes_a_truncated_reply() {
 
 #[test]
 fn reader_names_the_reason_a_reply_has_no_single_plan() {
-    check("", "the reply is empty");
-    check(" \u{feff}\r\n", "the reply is empty");
-    check("```json\n```", "the reply is empty");
+    check("", "the text is empty");
+    check(" \u{feff}\r\n", "the text is empty");
+    check("```json\n```", "the text is empty");
     check(
         "I can't do\n that.",
         "the reply is prose, with no plan in it: \"I can't do that.\"",

@@ -21,7 +21,7 @@ const PROSE: &str = "show what it says to the person, or ask again: a plan is JS
 #[non_exhaustive]
 pub enum Unreadable {
     /// The reply is empty.
-    #[error("the reply is empty")]
+    #[error("the text is empty")]
     Empty,
     /// The reply is too long.
     #[error("the reply has {bytes} bytes; at most {limit} are read")]
@@ -202,7 +202,7 @@ impl Unreadable {
     /// Suggests a remedy in one sentence.
     pub fn hint(&self) -> &str {
         match self {
-            Self::Empty => "ask again; if it stays empty, look at the model's token limit and content filter",
+            Self::Empty => "if a model wrote it, ask again, and look at its token limit and content filter",
             Self::TooLarge { .. } | Self::TooDeep { .. } => "ask again for the plan alone",
             Self::Refusal { .. } => PROSE,
             Self::NoPlan { .. } | Self::Foreign { .. } => NOTATIONS_READ,
