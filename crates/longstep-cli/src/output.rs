@@ -65,6 +65,14 @@ pub(crate) fn counted(number: usize, what: &str) -> String {
     }
 }
 
+/// Writes a path or a name as one word of a command for a shell.
+pub(crate) fn shell_word(word: impl std::fmt::Display) -> String {
+    let word = word.to_string();
+    shlex::try_quote(&word)
+        .map(|quoted| quoted.into_owned())
+        .unwrap_or(word)
+}
+
 /// Prints an empty line to stdout.
 pub(crate) fn blank() {
     to_stdout("\n");

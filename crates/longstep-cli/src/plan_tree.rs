@@ -18,10 +18,13 @@ pub(crate) fn run(arguments: &ShowArguments) -> Result<u8> {
     let assessment = draft.assessment();
     let answer = timed_verdict(&assessment, started);
     let code = exit_code::of_status(answer.status);
-    let items = match assessment.verified() {
+    let verified = assessment.verified();
+    let mut assumed = Vec::new();
+    let items = match &verified {
         Some(plan) => {
             let annotations = draft.annotations();
-            let diagram = Diagram::of(&plan, &annotations);
+            let diagram = Diagram::of(plan, &annotations);
+            assumed.extend(diagram.steps().iter().flat_map(|step| &step.assumed).cloned());
             let mut items = of_diagram(&diagram);
             items.extend(
                 annotations
@@ -37,8 +40,13 @@ pub(crate) fn run(arguments: &ShowArguments) -> Result<u8> {
         print_line!("{}", answer.plan.instruction_summary.bold());
     }
     let lines = output::tree(&items, output::columns(), output::draws_lines());
-    show::answer_with_steps(&answer, show::Changes::Shown, &lines);
-    show::list("Assumptions of the file", draft.assumptions());
+    let body = show::Body {
+        lines: &lines,
+        assumed: &assumed,
+        has_violations: verified.is_none(),
+        stated: draft.assumptions(),
+    };
+    show::answer_with(&answer, show::Changes::Shown, body);
     Ok(code)
 }
 

@@ -12,7 +12,7 @@ use longstep_robot::ros2::{self, Configuration};
 use crate::arguments::{RobotCheckArguments, RobotCommand, domain_or_default};
 use crate::exit_code::NOT_VALID;
 use crate::inputs;
-use crate::output::{Style, print_line};
+use crate::output::{Style, print_line, shell_word};
 use crate::run::robot_exit_code;
 use crate::show;
 
@@ -78,9 +78,9 @@ fn connection(
         }
     }
     if code == 0 {
-        let file = arguments.file.display();
+        let robot = shell_word(format_args!("ros2:{}", arguments.file.display()));
         show::hint(&format!(
-            "`longstep run PLAN.json --robot ros2:{file}` shows what would be sent; `--live` sends it"
+            "`longstep run PLAN.json --robot {robot}` shows what would be sent; `--live` sends it"
         ));
     }
     code

@@ -23,7 +23,7 @@ use crate::arguments::{
 };
 use crate::exit_code::{GAVE_UP, LIMIT, NOT_SEEN, NOT_VALID, ROBOT, STOPPED, UNSOLVABLE};
 use crate::failure::Failure;
-use crate::output::remark;
+use crate::output::{remark, shell_word};
 use crate::show;
 use crate::signals::{self, Armed};
 use begin::Begun;
@@ -194,7 +194,7 @@ pub(crate) fn announce(log: &Path, is_dry: bool) {
 }
 
 fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
-    let log = list::name_of(path);
+    let log = shell_word(list::name_of(path));
     let under_way: Vec<&str> = execution
         .running()
         .iter()

@@ -24,20 +24,33 @@ pub(crate) enum Changes {
     Hidden,
 }
 
-/// Prints an answer: the steps, the changes, the assumptions and the verdict.
-pub(crate) fn answer(answer: &Answer, shown: Changes) {
-    answer_with_steps(answer, shown, &[]);
+/// Lines in place of the list of steps, with what they say already.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Body<'a> {
+    /// The lines; none for the list of steps.
+    pub(crate) lines: &'a [Line],
+    /// The assumptions in them.
+    pub(crate) assumed: &'a [String],
+    /// True if they have the violations.
+    pub(crate) has_violations: bool,
+    /// The assumptions that the plan's file states.
+    pub(crate) stated: &'a [String],
 }
 
-/// Prints an answer; `lines` replace the list of steps, if there are any.
-pub(crate) fn answer_with_steps(answer: &Answer, shown: Changes, lines: &[Line]) {
+/// Prints an answer: the steps, the changes, the assumptions and the verdict.
+pub(crate) fn answer(answer: &Answer, shown: Changes) {
+    answer_with(answer, shown, Body::default());
+}
+
+/// Prints an answer with these lines in place of the list of steps.
+pub(crate) fn answer_with(answer: &Answer, shown: Changes, body: Body<'_>) {
     if answer.status == Status::Question {
         not_represented(answer);
         print_line!("{} {}", "Question:".yellow().bold(), answer.plan.question);
         return;
     }
     let bad = |index| answer.violations.iter().any(|violation| violation.step == Some(index));
-    match lines {
+    match body.lines {
         [] => steps(&answer.outline, bad),
         lines => lines.iter().for_each(|line| print_line!("{line}")),
     }
@@ -74,7 +87,9 @@ pub(crate) fn answer_with_steps(answer: &Answer, shown: Changes, lines: &[Line])
     let chosen: Vec<String> = answer.choices.iter().flat_map(|choice| choice.says.clone()).collect();
     list("Chosen", &chosen);
     not_represented(answer);
-    list("Assumptions", &answer.assumptions);
+    list("Assumptions", &without(&answer.assumptions, body.assumed));
+    let stated = without(body.stated, body.assumed);
+    list("Assumptions of the file", &without(&stated, &answer.assumptions));
     let differing: Vec<String> = answer
         .claims
         .differing
@@ -95,9 +110,14 @@ pub(crate) fn answer_with_steps(answer: &Answer, shown: Changes, lines: &[Line])
         .iter()
         .map(|violation| violation.message.clone())
         .collect();
-    list("Violations", &violations);
+    list("Violations", if body.has_violations { &[] } else { &violations });
     output::blank();
     verdict(answer);
+}
+
+/// Returns the texts of one list that another one does not have.
+fn without(texts: &[String], others: &[String]) -> Vec<String> {
+    texts.iter().filter(|text| !others.contains(text)).cloned().collect()
 }
 
 /// Prints the parts of the instruction that the plan ignores.

@@ -100,7 +100,11 @@ pub(crate) fn finish(
                 output::blank();
             }
         }
-        show::answer_with_steps(answer, show::Changes::Shown, lanes);
+        let body = show::Body {
+            lines: lanes,
+            ..show::Body::default()
+        };
+        show::answer_with(answer, show::Changes::Shown, body);
         if let Some((path, _)) = saved {
             remark!("Saved to {}", path.display());
         }

@@ -22,7 +22,7 @@ use crate::arguments::{DraftArguments, TeachArguments};
 use crate::draft::Draft;
 use crate::exit_code::NOT_VALID;
 use crate::failure::Failure;
-use crate::output::{self, Style, print_line, remark};
+use crate::output::{self, Style, print_line, remark, shell_word};
 use crate::show;
 use questions::Questions;
 use recorder::StepRecorder;
@@ -103,9 +103,11 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
 }
 
 fn conclude(arguments: &TeachArguments, lesson: &Lesson) {
-    let (plan, file, domain) = (arguments.plan.display(), arguments.output.display(), arguments.domain());
     let values: usize = lesson.steps.iter().map(|step| step.values.len()).sum();
-    print_line!("{file} has {values} value(s) of {} step(s)", lesson.steps.len());
+    let output = arguments.output.display();
+    print_line!("{output} has {values} value(s) of {} step(s)", lesson.steps.len());
+    let (plan, file) = (shell_word(arguments.plan.display()), shell_word(output));
+    let domain = shell_word(arguments.domain());
     if lesson.is_complete() {
         show::hint(&format!(
             "`longstep run {plan} --domain {domain} --skills {file} --robot ROBOT` uses them"

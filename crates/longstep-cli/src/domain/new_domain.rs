@@ -14,7 +14,7 @@ use super::kept_answers::KeptAnswers;
 use super::questions;
 use crate::arguments::NewDomainArguments;
 use crate::failure::Failure;
-use crate::output::{Style, print_line};
+use crate::output::{Style, print_line, shell_word};
 use crate::{schema, show};
 
 /// The files of a domain that name a schema, and its name.
@@ -70,10 +70,13 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
         return Ok(());
     }
     write_folder(folder, &with_schemas(domain::starter(&name))?)?;
-    let shown = folder.display();
-    print_line!("Created the domain {shown}. Next steps:");
+    print_line!("Created the domain {}. Next steps:", folder.display());
+    let (shown, environment) = (
+        shell_word(folder.display()),
+        shell_word(folder.join("environment.json").display()),
+    );
     print_line!("  longstep domain check {shown}");
-    print_line!("  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}");
+    print_line!("  longstep plan \"Bring the parcel to the desk\" --env {environment} --domain {shown}");
     Ok(())
 }
 
@@ -102,9 +105,13 @@ fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result
     for finding in &new.findings {
         show::finding("warning:".yellow().bold(), &finding.named());
     }
-    let shown = folder.display();
+    let (shown, environment) = (
+        shell_word(folder.display()),
+        shell_word(folder.join("environment.json").display()),
+    );
     print_line!(
-        "Created the domain {shown} (actions: {}, goals: {}, examples: {}).",
+        "Created the domain {} (actions: {}, goals: {}, examples: {}).",
+        folder.display(),
         new.domain.actions.len(),
         new.domain.goal_words.len(),
         new.domain.prompts.examples.len()
@@ -113,7 +120,7 @@ fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result
         print_line!("Its environment.json is made up: check that such a world can be, or write your own.");
     }
     print_line!("The sentences in domain.toml are what people and models read: improve them first. Next steps:");
-    print_line!("  longstep domain check {shown} --env {shown}/environment.json");
+    print_line!("  longstep domain check {shown} --env {environment}");
     print_line!("  longstep domain try {shown}");
     Ok(())
 }

@@ -77,7 +77,7 @@ fn shape(number: usize, shown: &Shown, indent: &str, text: &mut String) {
 }
 
 /// A character without a width, which ends a name.
-const WORD_JOINER: char = '\u{2060}';
+const WORD_JOINER: &str = "#8288;";
 
 /// Writes characters that mean something to Mermaid as numbers.
 fn escaped(text: &str) -> String {
@@ -102,7 +102,7 @@ fn escaped(text: &str) -> String {
             .iter()
             .any(|(own, next)| *own == character && rest.starts_with(next))
         {
-            escaped.push(WORD_JOINER);
+            escaped.push_str(WORD_JOINER);
         }
     }
     escaped
@@ -117,12 +117,12 @@ mod tests {
         for (text, expected) in [
             ("1. take the pen", "1#46; take the pen"),
             ("take 1.5 of it: now", "take 1.5 of it: now"),
-            ("fa:fa-ban", "fa:\u{2060}fa-ban"),
+            ("fa:fa-ban", "fa:#8288;fa-ban"),
             ("say \"end\"]", "say #34;end#34;#93;"),
             ("<b>`*x*`#1;", "#60;b#62;#96;#42;x#42;#96;#35;1#59;"),
             ("ключ \u{1f600}", "ключ #128512;"),
-            ("C:\\new", "C:#92;\u{2060}new"),
-            ("$$x$$", "#36;\u{2060}#36;x#36;\u{2060}#36;"),
+            ("C:\\new", "C:#92;#8288;new"),
+            ("$$x$$", "#36;#8288;#36;x#36;#8288;#36;"),
         ] {
             assert_eq!(escaped(text), expected);
         }

@@ -176,6 +176,11 @@ pub struct StepNode {
 }
 
 impl Diagram {
+    /// Returns all steps, in reading order; those of lanes by their unit of time.
+    pub fn steps(&self) -> Vec<&StepNode> {
+        steps_of(&self.nodes)
+    }
+
     /// Describes a plan.
     ///
     /// The work is bounded by that of a verification; beyond it, the diagram has no reasons and no changes.
@@ -195,6 +200,36 @@ impl Diagram {
             has_reasons,
         }
     }
+}
+
+fn steps_of(nodes: &[DiagramNode]) -> Vec<&StepNode> {
+    let mut steps = Vec::new();
+    for node in nodes {
+        match node {
+            DiagramNode::Step(step) => steps.push(step),
+            DiagramNode::Branch {
+                sensing, then, other, ..
+            } => {
+                steps.extend(sensing);
+                steps.extend(steps_of(then));
+                steps.extend(steps_of(other));
+            }
+            DiagramNode::Loop { sensing, body, .. } => {
+                steps.extend(sensing);
+                steps.extend(steps_of(body));
+            }
+            DiagramNode::Repeat { body, .. } => steps.extend(steps_of(body)),
+            DiagramNode::Lanes { rows, .. } => {
+                for row in rows {
+                    if let LaneRow::Unit { cells } = row {
+                        steps.extend(cells.iter().flatten());
+                    }
+                }
+            }
+            DiagramNode::Remark { .. } => {}
+        }
+    }
+    steps
 }
 
 struct Builder<'a> {

@@ -30,41 +30,10 @@ fn planned(world: &World, goal: &str) -> (VerifiedPlan, Diagram) {
     (plan, diagram)
 }
 
-/// Returns all steps of a diagram, in order.
-fn steps(nodes: &[DiagramNode]) -> Vec<&StepNode> {
-    let mut all = Vec::new();
-    for node in nodes {
-        match node {
-            DiagramNode::Step(step) => all.push(step),
-            DiagramNode::Branch {
-                sensing, then, other, ..
-            } => {
-                all.extend(sensing);
-                all.extend(steps(then));
-                all.extend(steps(other));
-            }
-            DiagramNode::Loop { sensing, body, .. } => {
-                all.extend(sensing);
-                all.extend(steps(body));
-            }
-            DiagramNode::Repeat { body, .. } => all.extend(steps(body)),
-            DiagramNode::Lanes { rows, .. } => {
-                for row in rows {
-                    if let LaneRow::Unit { cells } = row {
-                        all.extend(cells.iter().flatten());
-                    }
-                }
-            }
-            DiagramNode::Remark { .. } => {}
-        }
-    }
-    all
-}
-
 /// Checks that a diagram has every step once, and its pictures in several widths.
 #[track_caller]
 fn check_diagram(diagram: &Diagram, count: usize) {
-    let mut numbers: Vec<usize> = steps(&diagram.nodes).iter().map(|step| step.number).collect();
+    let mut numbers: Vec<usize> = diagram.steps().iter().map(|step| step.number).collect();
     numbers.sort_unstable();
     assert_eq!(numbers, (1..=count).collect::<Vec<_>>());
     for width in [120.0, 360.0, 800.0, 1200.0] {
@@ -89,7 +58,7 @@ fn reasons(diagram: &Diagram) -> Vec<String> {
             step.reason.clone().unwrap_or_default()
         )
     };
-    steps(&diagram.nodes).iter().map(line).collect()
+    diagram.steps().iter().map(line).collect()
 }
 
 #[test]
@@ -146,7 +115,7 @@ fn every_step_of_a_shortest_plan_has_a_reason() {
     for (domain, file, goal) in table {
         let (plan, diagram) = planned(&shipped::world(domain, file), goal);
         check_diagram(&diagram, plan.steps().len());
-        for step in steps(&diagram.nodes) {
+        for step in diagram.steps() {
             assert!(step.reason.is_some(), "{goal}: step {} {}", step.number, step.text);
             assert!(!step.changes.is_empty(), "{goal}: step {} {}", step.number, step.text);
             assert!(step.needed_by.iter().all(|later| *later > step.number), "{goal}");
@@ -169,15 +138,12 @@ fn reason_is_lost_without_the_step_that_needs_it() {
         &["grasp", "<pen>"],
         &["release", "<pen>"],
     ]);
-    assert_eq!(steps(&wasted.nodes)[0].reason, None);
+    assert_eq!(wasted.steps()[0].reason, None);
     assert_eq!(
-        steps(&wasted.nodes)[1].reason.as_deref(),
+        wasted.steps()[1].reason.as_deref(),
         Some("needed for step 3: the hand is at the pen")
     );
-    assert_eq!(
-        steps(&wasted.nodes)[1].brief_reason.as_deref(),
-        Some("needed for step 3")
-    );
+    assert_eq!(wasted.steps()[1].brief_reason.as_deref(), Some("needed for step 3"));
 }
 
 #[test]
@@ -222,7 +188,8 @@ fn edits_of_a_repair_are_at_their_steps() {
     let annotations = Annotations::default().with_purpose(purpose).with_edits(&repaired.edits);
     let diagram = Diagram::of(&repaired.plan, &annotations);
     check_diagram(&diagram, repaired.plan.steps().len());
-    let edited = steps(&diagram.nodes)
+    let edited = diagram
+        .steps()
         .into_iter()
         .filter_map(|step| Some((step.number, step.edited.clone()?)));
     let edited: Vec<(usize, String)> = edited.collect();
