@@ -109,7 +109,8 @@ impl Bench {
             bridge: None,
         };
         let toml = fs::read_to_string(root().join("examples/robots/ros2/robot.toml")).unwrap();
-        bench.configure(&toml);
+        // A busy machine finds the parts of a robot slowly.
+        bench.configure(&toml.replace("[timeouts]\n", "[timeouts]\nconnect = 60\n"));
         bench
     }
 
@@ -376,8 +377,8 @@ fn failures_have_their_own_messages_and_exit_codes() {
     let before = bench.journal();
 
     bench.reconfigure("\"/execute_step\"", "\"/nobody\"");
-    bench.reconfigure("[timeouts]", "[timeouts]\nconnect = 1");
-    check_end(&bench.run("missing.jsonl"), 56, "there is no action server `/nobody`");
+    bench.reconfigure("connect = 60", "connect = 1");
+    check_end(&bench.run("missing.jsonl"), 56, "no action server `/nobody` answers");
     bench.reconfigure("\"/nobody\"", "\"/execute_step\"");
     bench.reconfigure("longstep_msgs/action/ExecuteStep", "test_msgs/action/Fibonacci");
     check_end(

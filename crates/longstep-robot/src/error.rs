@@ -98,8 +98,8 @@ pub enum RobotError {
         /// The robot's message.
         reason: String,
     },
-    /// A part of the robot is not there. Nothing was sent.
-    #[error("there is no {kind} `{name}`: {reason}")]
+    /// A part of the robot does not answer. Nothing was sent.
+    #[error("no {kind} `{name}` answers: {reason}")]
     Missing {
         /// `action server`, `service` or `topic`.
         kind: &'static str,
@@ -189,7 +189,9 @@ impl RobotError {
             Self::Rejected { .. } | Self::WrongType { .. } => {
                 Some("`longstep robot check robot.toml` compares it with the servers")
             }
-            Self::Missing { .. } => Some("start it, or correct its name in robot.toml"),
+            Self::Missing { .. } => {
+                Some("start it, correct its name in robot.toml, or wait longer with `connect` in its `[timeouts]`")
+            }
             Self::Abandoned { .. } => Some(
                 "its input has ended, and it is killed after twice its timeout for stops; wait, or end it with `kill -9 NUMBER`, then \
                  try again",

@@ -454,11 +454,11 @@ fn connect_reports_missing_servers_before_sending_a_goal() {
     let table: Vec<(Bridge, &str)> = vec![
         (
             Bridge::new(refused),
-            "there is no action server `/execute_step`: no such service",
+            "no action server `/execute_step` answers: no such service",
         ),
         (
             Bridge::new(|_| Vec::new()),
-            "there is no action server `/execute_step`: no answer within 0.3 s",
+            "no action server `/execute_step` answers: no answer within 0.3 s",
         ),
         (
             Bridge::new(other),

@@ -79,9 +79,11 @@ impl Bench {
         let number = u32::from(NEXT_DOMAIN.fetch_add(1, Ordering::SeqCst)) + std::process::id();
         let domain = (1 + number % 100).to_string();
         let toml = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/robots/ros2/robot.toml");
+        // A busy machine finds the parts of a robot slowly.
         let toml = std::fs::read_to_string(toml)
             .unwrap()
-            .replace("9090", &port.to_string());
+            .replace("9090", &port.to_string())
+            .replace("[timeouts]\n", "[timeouts]\nconnect = 60\n");
         let file = folder.path().join("robot.toml");
         std::fs::write(&file, format!("{toml}\n[serve]\n{serving}\n")).unwrap();
         let configuration = Configuration::parse("robot.toml", &std::fs::read_to_string(&file).unwrap()).unwrap();

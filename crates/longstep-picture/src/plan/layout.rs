@@ -198,9 +198,10 @@ impl Column {
         let indent = if beside { 0.0 } else { padding(self.width) };
         let widths = widths.unwrap_or([self.width - indent; 2]);
         let from = self.exits.first().copied().unwrap_or((self.left, self.y));
-        let rail_x = self.left + indent / 2.0;
+        // Below each other, one rail along the left border leads to both.
+        let (rail_x, mut begin) = (self.left + indent / 2.0, from.1);
         let (mut x, mut exits, mut tallest) = (self.left + indent, Vec::new(), 0.0_f64);
-        for (number, ((label, nodes), width)) in sides.into_iter().zip(widths).enumerate() {
+        for ((label, nodes), width) in sides.into_iter().zip(widths) {
             let mut piece = side(&label, nodes, width);
             piece.shift(x, self.y);
             let rail = if beside {
@@ -208,8 +209,11 @@ impl Column {
                 vec![from, (from.0, middle), (centre, middle), (centre, self.y)]
             } else {
                 let entry = piece.area.y + MARGIN;
-                let begin = if number == 0 { from.1 } else { self.y - SPACE };
-                vec![(rail_x, begin), (rail_x, entry), (x, entry)]
+                vec![
+                    (rail_x, std::mem::replace(&mut begin, entry)),
+                    (rail_x, entry),
+                    (x, entry),
+                ]
             };
             self.rails.push(Rail {
                 points: rail,
