@@ -75,7 +75,9 @@ impl Ground<'_> {
 
 /// Returns the plan of an assessment, with the goal of its draft.
 fn plan_of(domain: &Arc<LoadedDomain>, draft: &Draft, plan: VerifiedPlan, report: &Report) -> Plan {
-    let plan = Plan::new(domain, plan, report.plan.clone()).for_goal(draft.goal.as_ref());
+    let plan = Plan::new(domain, plan, report.plan.clone())
+        .for_goal(draft.goal.as_ref())
+        .leaving_out(draft.left_out());
     if draft.wanted.is_empty() {
         plan
     } else {

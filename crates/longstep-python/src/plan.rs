@@ -59,6 +59,12 @@ impl Plan {
         self.goal.clone()
     }
 
+    /// The words of the instruction that the plan ignores.
+    #[getter]
+    pub(crate) fn left_out(&self) -> Vec<String> {
+        self.file.not_in_plan.clone()
+    }
+
     /// The hash of the steps with all arguments, of the world before them with its rules, and of the goal: the one that an
     /// approval on a server names.
     #[getter]
@@ -125,6 +131,12 @@ impl Plan {
     }
 }
 
+/// Returns words of an instruction in quotation marks.
+pub(crate) fn quoted(words: &[String]) -> String {
+    let words: Vec<String> = words.iter().map(|words| format!("\"{words}\"")).collect();
+    words.join(", ")
+}
+
 impl Plan {
     pub(crate) fn new(domain: &Arc<LoadedDomain>, plan: VerifiedPlan, file: PlanFile) -> Self {
         Self {
@@ -145,6 +157,15 @@ impl Plan {
             annotations: self.annotations.with_goal(&world, goal),
             ..self
         }
+    }
+
+    /// Sets the words of the instruction that the plan ignores.
+    pub(crate) fn leaving_out(self, words: &[String]) -> Self {
+        let file = PlanFile {
+            not_in_plan: words.to_vec(),
+            ..self.file
+        };
+        Self { file, ..self }
     }
 
     /// Sets conditions that hold at the end: the goal of a PDDL problem.

@@ -12,11 +12,12 @@ use longstep_robot::{
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::json;
-use crate::plan::Plan;
+use crate::plan::{Plan, quoted};
 use crate::robot::{PythonRobot, Raised};
 use crate::world::World;
 
@@ -83,16 +84,38 @@ struct Beside {
     events: Vec<Value>,
     /// The steps and the edits of the last change.
     change: (Vec<String>, Vec<String>),
+    /// The words of the instruction that the plan ignores.
+    left_out: Vec<String>,
     raised: Raised,
+}
+
+/// A question to the person.
+#[derive(Serialize, Default)]
+struct Question<'a> {
+    kind: &'a str,
+    text: String,
+    steps: &'a [String],
+    edits: &'a [String],
+    left_out: &'a [String],
+}
+
+impl<'a> Question<'a> {
+    /// Returns a question without lists.
+    fn of(kind: &'a str, text: impl Into<String>) -> Self {
+        Self {
+            kind,
+            text: text.into(),
+            ..Self::default()
+        }
+    }
 }
 
 impl Beside {
     /// Asks the person; none without an answer.
-    fn ask(&self, kind: &str, text: &str, steps: &[String], edits: &[String]) -> Option<bool> {
+    fn ask(&self, question: &Question<'_>) -> Option<bool> {
         let ask = self.ask.as_ref()?;
-        let question = json!({"kind": kind, "text": text, "steps": steps, "edits": edits});
         let answer = Python::attach(|py| {
-            let answer = ask.bind(py).call1((json::object(py, &question)?,))?;
+            let answer = ask.bind(py).call1((json::object(py, question)?,))?;
             answer.extract::<bool>()
         });
         answer.map_err(|error| self.raised.keep(error)).ok()
@@ -122,12 +145,24 @@ impl Watcher for Beside {
                 let lines = outline(plan.world(), rest.as_ref().map_or(plan.plan(), |rest| &rest.plan)).into_iter();
                 let line = |own: longstep_core::plan::OutlineLine| own.step.map_or(own.text, |_| own.explanation);
                 let steps: Vec<String> = lines.map(line).collect();
-                self.ask("plan", "Go on with this plan?", &steps, &[])
+                let text = match &self.left_out[..] {
+                    [] => "Go on with this plan?".to_owned(),
+                    words => format!("Go on with this plan? It leaves out {}.", quoted(words)),
+                };
+                self.ask(&Question {
+                    steps: &steps,
+                    left_out: &self.left_out,
+                    ..Question::of("plan", text)
+                })
             }
-            Subject::Change(_) => self.ask("change", "Go on with this change?", &self.change.0, &self.change.1),
+            Subject::Change(_) => self.ask(&Question {
+                steps: &self.change.0,
+                edits: &self.change.1,
+                ..Question::of("change", "Go on with this change?")
+            }),
             Subject::Step(order) => {
                 let text = format!("Do this step: {}?", phrase(&order.explanation));
-                self.ask("step", &text, &[], &[])
+                self.ask(&Question::of("step", text))
             }
             _ => None,
         }
@@ -136,12 +171,12 @@ impl Watcher for Beside {
     fn judge(&mut self, _: &Execution, order: &StepOrder) -> Option<bool> {
         let step = phrase(&order.explanation);
         let text = format!("This step was under way when the run was interrupted: {step}. Was it done?");
-        self.ask("judge", &text, &[], &[])
+        self.ask(&Question::of("judge", text))
     }
 
     fn confirm(&mut self, _: &Execution, unseen: &Unseen) -> Option<bool> {
         let text = format!("Nobody has seen it: {}. Is it so?", unseen.what);
-        self.ask("confirm", &text, &[], &[])
+        self.ask(&Question::of("confirm", text))
     }
 }
 
@@ -199,6 +234,7 @@ pub(crate) fn run(
             })?,
             events: Vec::new(),
             change: Default::default(),
+            left_out: plan.left_out(),
             raised: raised.clone(),
         };
         robot.begin_plan(plan.plan.world());

@@ -6,7 +6,9 @@ use jiff::Timestamp;
 use longstep::Planner;
 use longstep::domain::Domain as LoadedDomain;
 use longstep::report::{Answer as Report, Status};
-use longstep::session::{Accepted, Entry, OutOfTurn, Response, RuleError, Session as OwnSession, Settings, Strategy};
+use longstep::session::{
+    Accepted, Entry, OutOfTurn, Proposal, Response, RuleError, Session as OwnSession, Settings, Strategy,
+};
 use longstep_llm::{AdvanceError, ChatModel, Progress, advance};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -15,7 +17,7 @@ use crate::answer::Answer;
 use crate::assess::{EffortArgument, clock};
 use crate::callable::CallableModel;
 use crate::failure::Failure;
-use crate::plan::Plan;
+use crate::plan::{Plan, quoted};
 use crate::world::World;
 
 /// Maximum length of an instruction, in characters.
@@ -50,6 +52,15 @@ struct State {
     model: CallableModel,
     /// The lines of the log.
     log: Vec<String>,
+}
+
+/// The answer to the last words.
+struct Outcome {
+    report: Report,
+    /// The plan that was asked for.
+    plan: Option<Plan>,
+    /// The plan that is offered with a question.
+    offer: Option<Plan>,
 }
 
 /// Words of the person for the session.
@@ -124,14 +135,18 @@ impl Session {
     }
 
     /// Accepts the plan that waits for a decision, and returns it. The session goes on in the world after it.
-    fn accept(&self) -> PyResult<Plan> {
+    ///
+    /// A plan that is offered with a question (status `consent`) needs `consent=True`, which answers the question with yes: the
+    /// person has seen the question and the plan (`Answer.offer`).
+    #[pyo3(signature = (*, consent=false))]
+    fn accept(&self, consent: bool) -> PyResult<Plan> {
         let mut state = self.state()?;
+        if !consent {
+            check_consent(&state.session)?;
+        }
         // An accepted rule is no plan.
         let before = state.session.accepted().len();
-        let proposed = state.session.proposal().map(|proposal| {
-            let plan = Plan::new(&self.domain, proposal.plan.clone(), proposal.answer.plan.clone());
-            plan.for_goal(proposal.goal.as_ref())
-        });
+        let proposed = state.session.proposal().map(|proposal| self.proposed(proposal));
         state.session.accept().map_err(out_of_turn)?;
         let last = state.session.accepted().get(before);
         let plan = last
@@ -183,6 +198,10 @@ impl Session {
     }
 
     /// The state: `ready`, `question`, `plan`, `consent`, `no_plan` or `endings`.
+    ///
+    /// `consent`: a plan is offered with a question (`Answer.offer`, `Answer.question`), because it leaves out a part of the
+    /// instruction, or because the model asks about it. `accept(consent=True)` answers yes; `feedback` and `cancel` are the
+    /// other ways on.
     #[getter]
     fn status(&self) -> PyResult<&'static str> {
         Ok(match self.state()?.session.response() {
@@ -255,7 +274,7 @@ impl Session {
     /// Gives words to the session, and lets the model work until it is the person's turn.
     fn say(&self, py: Python<'_>, words: &Words, text: &str) -> PyResult<Answer> {
         let text = checked(text)?;
-        let (report, plan) = py.detach(|| {
+        let Outcome { report, plan, offer } = py.detach(|| {
             let mut state = self.state()?;
             let State { session, model, .. } = &mut *state;
             let taken = match words {
@@ -271,24 +290,30 @@ impl Session {
             ended.map_err(advance_failure)?;
             Ok::<_, PyErr>(self.outcome(session)?)
         })?;
-        Answer::new(py, report, plan)
+        Answer::new(py, report, plan)?.offering(py, offer)
     }
 
     /// Returns the answer to the last words, with the plan that waits for a decision.
-    fn outcome(&self, session: &OwnSession) -> Result<(Report, Option<Plan>), Failure> {
+    fn outcome(&self, session: &OwnSession) -> Result<Outcome, Failure> {
         let report = session.report().ok_or_else(|| match session.failure() {
             Some(failure) => {
                 Failure::failed(failure.to_string()).hint("rephrase the instruction, or use another model".to_owned())
             }
             None => Failure::failed("the session ended early"),
         })?;
+        let proposed = session.proposal().map(|proposal| self.proposed(proposal));
         // A plan that is offered with a question is no answer to what was asked for until the person agrees.
-        let proposal = session.proposal().filter(|_| report.status == Status::Verified);
-        let plan = proposal.map(|proposal| {
-            let plan = Plan::new(&self.domain, proposal.plan.clone(), report.plan.clone());
-            plan.for_goal(proposal.goal.as_ref())
-        });
-        Ok((report, plan))
+        let (plan, offer) = match report.status {
+            Status::Verified => (proposed, None),
+            _ => (None, proposed),
+        };
+        Ok(Outcome { report, plan, offer })
+    }
+
+    /// Returns the plan of a proposal.
+    fn proposed(&self, proposal: &Proposal) -> Plan {
+        let plan = Plan::new(&self.domain, proposal.plan.clone(), proposal.answer.plan.clone());
+        plan.for_goal(proposal.goal.as_ref())
     }
 
     fn plan_of(&self, session: &OwnSession, number: usize, accepted: &Accepted) -> Plan {
@@ -311,6 +336,24 @@ fn checked(text: &str) -> Result<&str, Failure> {
         return Err(Failure::unreadable(message).hint("shorten it to one or two sentences".to_owned()));
     }
     Ok(words)
+}
+
+/// Refuses a plan whose question nobody has answered.
+fn check_consent(session: &OwnSession) -> Result<(), Failure> {
+    let Response::Consent(proposal) = session.response() else {
+        return Ok(());
+    };
+    let question = proposal.question.as_deref().unwrap_or_default();
+    let unsaid = proposal.answer.plan.not_in_plan.iter();
+    let unsaid: Vec<String> = unsaid.filter(|words| !question.contains(*words)).cloned().collect();
+    let left_out = match &unsaid[..] {
+        [] => String::new(),
+        words => format!(" The plan leaves out {}.", quoted(words)),
+    };
+    Err(Failure::failed(format!(
+        "the plan waits for an answer to its question: {question}{left_out}"
+    ))
+    .hint("show the person `answer.offer` and the question, then call `accept(consent=True)`".to_owned()))
 }
 
 fn out_of_turn(error: OutOfTurn) -> Failure {

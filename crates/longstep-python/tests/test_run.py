@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import longstep
-from scenes import PANTRY, Recorder, desk
+from scenes import PANTRY, Recorder, desk, reply
 
 GOAL = "put(pen, shelf)"
 
@@ -70,6 +70,23 @@ class Runs(unittest.TestCase):
             self.assertEqual(run.is_done, done)
             self.assertEqual((asked[0]["kind"], len(asked[0]["steps"])), ("plan", 6))
             self.assertEqual(bool(robot.calls), done)
+
+    def test_a_person_reads_the_words_that_the_plan_leaves_out(self) -> None:
+        words = "but only if Anna is not there"
+        session = longstep.Session(self.world, lambda _: reply(GOAL, left_out=(words,)))
+        session.instruct(f"Put the pen on the shelf, {words}")
+        accepted = session.accept(consent=True)
+        saved = longstep.verify(accepted.json(), self.world).verified()
+        for plan in (accepted, saved):
+            asked: list[longstep.RunQuestion] = []
+            longstep.run(plan, Recorder(self.world), ask=lambda question: bool(asked.append(question)))
+            self.assertEqual(asked[0]["left_out"], plan.left_out)
+            self.assertTrue(any("Anna" in own for own in plan.left_out), plan.left_out)
+            for own in plan.left_out:
+                self.assertIn(own, asked[0]["text"])
+        asked = []
+        longstep.run(self.plan, Recorder(self.world), ask=lambda question: bool(asked.append(question)))
+        self.assertEqual((asked[0]["left_out"], asked[0]["text"]), ([], "Go on with this plan?"))
 
     def test_nothing_moves_without_anybody_to_approve(self) -> None:
         robot = Recorder(self.world)

@@ -51,6 +51,35 @@ class Sessions(unittest.TestCase):
             asked.verified()
         self.assertEqual(len(session.answer("the pen").verified()), 6)
 
+    def test_a_plan_with_a_question_is_accepted_by_consent_alone(self) -> None:
+        asked = reply("put(pen, shelf)", question="Do you mean the pen?")
+        partial = reply("put(pen, shelf)", left_out=("but only if Anna is not there",))
+        for own, left_out in ((asked, []), (partial, ["only if Anna is not there"])):
+            session = longstep.Session(desk(), lambda _, own=own: own)
+            answer = session.instruct("Put the pen on the shelf, but only if Anna is not there")
+            with self.subTest(own):
+                self.assertEqual((answer.status, session.status, answer.plan), ("question", "consent", None))
+                offer = answer.offer
+                assert offer is not None
+                self.assertEqual((len(offer), offer.goal), (6, ["put(<pen>, <shelf>)"]))
+                with self.assertRaises(longstep.Question) as unclear:
+                    answer.verified()
+                self.assertIn("consent", cast(str, unclear.exception.hint))
+                with self.assertRaises(longstep.LongstepError) as refused:
+                    session.accept()
+                self.assertIn(answer.question, str(refused.exception))
+                self.assertIn("accept(consent=True)", cast(str, refused.exception.hint))
+                self.assertEqual((session.accepted, session.status), ([], "consent"))
+                plan = session.accept(consent=True)
+                self.assertEqual(plan.json(), session.accepted[0].json())
+                self.assertTrue(set(left_out) <= {words.removeprefix("but ") for words in plan.left_out}, plan.left_out)
+
+    def test_a_plan_without_a_question_offers_nothing(self) -> None:
+        session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"))
+        answer = session.instruct("The pen belongs on the shelf")
+        self.assertIsNone(answer.offer)
+        self.assertEqual(session.accept(consent=True).left_out, [])
+
     def test_words_out_of_turn_change_nothing(self) -> None:
         session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"))
         for call in (session.accept, session.undo, session.cancel, lambda: session.answer("yes")):

@@ -114,9 +114,14 @@ class SensingRobot(Robot, Protocol):
 
 
 class RunQuestion(TypedDict):
-    """A question of a run to a person."""
+    """A question of a run to a person.
+
+    `steps` are those of the plan or of its changed rest, `edits` the changes. `left_out` has the words of the instruction that
+    the plan ignores, in a question about the plan.
+    """
 
     kind: Literal["plan", "change", "step", "judge", "confirm"]
     text: str
     steps: list[str]
     edits: list[str]
+    left_out: list[str]
