@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use crate::answer::Answer;
 use crate::draft::Draft;
 use crate::failure::Failure;
+use crate::interpreter::detach;
 use crate::plan::Plan;
 use crate::problem::Problem;
 use crate::rule::with_rules;
@@ -126,7 +127,7 @@ fn assessed(
 ) -> PyResult<Answer> {
     let (source, domain, ground) = (plan_source(plan)?, place.domain(), Ground::from(place));
     let rules = rules.unwrap_or_default();
-    let (report, plan) = py.detach(|| -> Result<_, Failure> {
+    let (report, plan) = detach(py, || -> Result<_, Failure> {
         let started = Instant::now();
         let draft = ground.draft(&source.read("plan")?, goal, &rules)?;
         let (mut report, plan) = judge(&draft.assessment(), &|plan, report| {
@@ -229,8 +230,8 @@ pub(crate) fn solve(
     let effort = effort.map(EffortArgument::effort).transpose()?.unwrap_or_default();
     let (limits, domain) = (Limits::from(effort), world.domain());
     let (report, plan) = match (Ground::from(&world), goal) {
-        (Ground::World(world), Some(goal)) => py.detach(|| for_goal(world, goal, &rules, &limits, &domain))?,
-        (Ground::Problem(problem), None) if rules.is_empty() => py.detach(|| for_problem(problem, &limits, &domain))?,
+        (Ground::World(world), Some(goal)) => detach(py, || for_goal(world, goal, &rules, &limits, &domain))?,
+        (Ground::Problem(problem), None) if rules.is_empty() => detach(py, || for_problem(problem, &limits, &domain))?,
         (Ground::World(_), None) => return Err(PyTypeError::new_err("solve() needs a goal for a world")),
         (Ground::Problem(_), _) => {
             return Err(PyTypeError::new_err(

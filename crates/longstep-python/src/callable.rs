@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 use serde_json::{Value, json};
 
+use crate::interpreter::attach;
 use crate::json::object;
 
 /// A callable that takes a request as a dict and returns the text of the reply.
@@ -40,7 +41,7 @@ impl CallableModel {
     }
 
     fn call(&self, request: &ChatRequest) -> PyResult<String> {
-        Python::attach(|py| {
+        attach(|py| {
             py.check_signals()?;
             let reply = self.callable.bind(py).call1((object(py, &self.body(request))?,))?;
             let text = reply.cast::<PyString>().map_err(|_| {

@@ -10,6 +10,7 @@ use longstep_llm::load_domain;
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
+use crate::interpreter::detach;
 
 /// A robot: its actions, and the words for them. Immutable; shared by worlds and threads.
 ///
@@ -28,13 +29,13 @@ impl Domain {
     #[new]
     #[pyo3(signature = (name=PathBuf::from("household"), /), text_signature = "(name=\"household\", /)")]
     fn new(py: Python<'_>, name: PathBuf) -> PyResult<Self> {
-        Ok(py.detach(|| Self::load(&name.to_string_lossy()))?)
+        Ok(detach(py, || Self::load(&name.to_string_lossy()))?)
     }
 
     /// Reads a `domain.pddl` without a vocabulary; actions and states have PDDL's own names.
     #[staticmethod]
     fn from_pddl(py: Python<'_>, text: &str) -> PyResult<Self> {
-        let read = py.detach(|| domain::from_pddl("domain.pddl", text).map_err(Failure::from));
+        let read = detach(py, || domain::from_pddl("domain.pddl", text).map_err(Failure::from));
         Ok(Self::from(read?))
     }
 
@@ -124,7 +125,7 @@ impl DomainArgument<'_> {
             Self::Loaded(domain) => Ok(Arc::clone(&domain.get().domain)),
             Self::Named(name) => {
                 let name = name.to_string_lossy();
-                Ok(py.detach(|| Domain::load(&name))?.domain)
+                Ok(detach(py, || Domain::load(&name))?.domain)
             }
         }
     }

@@ -14,6 +14,7 @@ use longstep_picture::plan::Annotations;
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
+use crate::interpreter::detach;
 use crate::json;
 use crate::picture;
 use crate::step::Step;
@@ -210,6 +211,6 @@ impl Plan {
     }
 
     pub(crate) fn svg_of_width(&self, py: Python<'_>, width: f64) -> String {
-        py.detach(|| picture::plan(&self.plan, &self.annotations, width))
+        detach(py, || picture::plan(&self.plan, &self.annotations, width))
     }
 }

@@ -17,6 +17,7 @@ use crate::answer::Answer;
 use crate::assess::{EffortArgument, clock};
 use crate::callable::CallableModel;
 use crate::failure::Failure;
+use crate::interpreter::{Call, detach};
 use crate::plan::{Plan, quoted};
 use crate::world::World;
 
@@ -274,7 +275,8 @@ impl Session {
     /// Gives words to the session, and lets the model work until it is the person's turn.
     fn say(&self, py: Python<'_>, words: &Words, text: &str) -> PyResult<Answer> {
         let text = checked(text)?;
-        let Outcome { report, plan, offer } = py.detach(|| {
+        let _call = Call::begin(py);
+        let Outcome { report, plan, offer } = detach(py, || {
             let mut state = self.state()?;
             let State { session, model, .. } = &mut *state;
             let taken = match words {

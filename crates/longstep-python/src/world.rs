@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 
 use crate::domain::{Domain, DomainArgument};
 use crate::failure::Failure;
+use crate::interpreter::detach;
 use crate::json;
 use crate::picture;
 use crate::rule::with_rules;
@@ -54,9 +55,9 @@ impl World {
         let rules = rules.unwrap_or_default();
         let domain = match domain {
             Some(domain) => domain.domain(py)?,
-            None => py.detach(|| Domain::load("household"))?.domain,
+            None => detach(py, || Domain::load("household"))?.domain,
         };
-        Ok(py.detach(|| Self::read(source.read("environment")?, domain, &rules))?)
+        Ok(detach(py, || Self::read(source.read("environment")?, domain, &rules))?)
     }
 
     /// The domain.
@@ -103,7 +104,7 @@ impl World {
 
     /// Returns the world with further rules in force.
     fn with_rules(&self, py: Python<'_>, rules: Vec<String>) -> PyResult<Self> {
-        let world = py.detach(|| with_rules(self.world.clone(), &rules))?;
+        let world = detach(py, || with_rules(self.world.clone(), &rules))?;
         Ok(self.of(world))
     }
 

@@ -6,6 +6,7 @@ from longstep._types import Environment, Model, Observation, Robot, RunQuestion
 
 __all__ = [
     "Answer",
+    "Control",
     "Domain",
     "Edit",
     "Plan",
@@ -243,6 +244,13 @@ class Sim:
     def stop(self) -> None: ...
 
 @final
+class Control:
+    def __new__(cls) -> Control: ...
+    def stop(self) -> None: ...
+    def pause(self) -> None: ...
+    def resume(self) -> None: ...
+
+@final
 class Run:
     @property
     def is_done(self) -> bool: ...
@@ -292,4 +300,6 @@ def run(
     observe: Literal["each-step", "on-failure"] = "each-step",
     changes: int = 8,
     log: str | PathLike[str] | None = None,
+    control: Control | None = None,
+    watch: Callable[[dict[str, Any]], object] | None = None,
 ) -> Run: ...
