@@ -11,11 +11,12 @@ use longstep::session::{
 };
 use longstep_llm::{AdvanceError, ChatModel, Progress, advance};
 use pyo3::exceptions::PyValueError;
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 
 use crate::answer::Answer;
 use crate::assess::{EffortArgument, clock};
-use crate::callable::CallableModel;
+use crate::callable::{Callable, CallableModel};
 use crate::failure::Failure;
 use crate::interpreter::{Call, detach};
 use crate::plan::{Plan, quoted};
@@ -45,6 +46,8 @@ const INSTRUCTION_LIMIT: usize = 2000;
 #[pyclass(frozen, module = "longstep")]
 pub(crate) struct Session {
     domain: Arc<LoadedDomain>,
+    /// The model, which may refer to this session.
+    callable: Callable,
     state: Mutex<State>,
 }
 
@@ -82,7 +85,7 @@ impl Session {
     #[allow(clippy::too_many_arguments, reason = "keyword-only options of Python")]
     fn new(
         world: &Bound<'_, World>,
-        model: Py<PyAny>,
+        model: &Bound<'_, PyAny>,
         name: &str,
         context_tokens: Option<u64>,
         temperature: f64,
@@ -107,11 +110,13 @@ impl Session {
             .with_rounds(rounds)
             .with_effort(effort);
         let world = world.get();
-        let model = CallableModel::new(model, name.to_owned(), context_tokens, temperature);
+        let callable = Callable::new(model, "the model")?;
+        let model = CallableModel::new(callable.clone(), name.to_owned(), context_tokens, temperature);
         let planner = Planner::new(Arc::clone(&world.domain)).with_clock(clock());
         let session = planner.session(world.world.clone(), settings, model.facts());
         Ok(Self {
             domain: Arc::clone(&world.domain),
+            callable,
             state: Mutex::new(State {
                 session: session.map_err(|error| Failure::failed(error.to_string()))?,
                 model,
@@ -249,6 +254,14 @@ impl Session {
         let lines = events.into_iter().map(|event| Entry::new(now.clone(), event).line());
         state.log.extend(lines);
         Ok(state.log.concat())
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.callable.traverse(&visit)
+    }
+
+    fn __clear__(&self) {
+        self.callable.clear();
     }
 
     fn __repr__(&self) -> String {

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import threading
 import unittest
+import weakref
 from typing import Any, cast
 
 import longstep
@@ -150,6 +152,27 @@ class Sessions(unittest.TestCase):
         go_on.set()
         thread.join()
         self.assertEqual(answers[0].status, "verified")
+
+    def test_a_session_that_its_model_refers_to_is_collected(self) -> None:
+        class Agent:
+            def __init__(self) -> None:
+                self.session = longstep.Session(desk(), self.model)
+
+            def model(self, _: longstep.Request) -> str:
+                gc.collect()
+                return reply("put(pen, shelf)")
+
+        agents = [Agent() for _ in range(10)]
+        self.assertEqual(agents[0].session.instruct("The pen belongs on the shelf").status, "verified")
+        self.assertIn(agents[0].model, gc.get_referents(agents[0].session))
+        alive = [weakref.ref(agent) for agent in agents]
+        agents.clear()
+        gc.collect()
+        self.assertEqual([own for own in alive if own() is not None], [])
+
+    def test_a_model_that_is_no_callable_is_a_type_error(self) -> None:
+        with self.assertRaisesRegex(TypeError, "the model must be callable, not str"):
+            longstep.Session(desk(), cast(Any, "gpt-4.1"))
 
     def test_the_log_has_every_event(self) -> None:
         session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"), name="scripted")
