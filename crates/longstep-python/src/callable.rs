@@ -86,7 +86,11 @@ impl CallableModel {
     fn call(&self, request: &ChatRequest) -> PyResult<String> {
         attach(|py| {
             py.check_signals()?;
-            let reply = self.callable.get(py)?.bind(py).call1((object(py, &self.body(request))?,))?;
+            let reply = self
+                .callable
+                .get(py)?
+                .bind(py)
+                .call1((object(py, &self.body(request))?,))?;
             let text = reply.cast::<PyString>().map_err(|_| {
                 let class = class_of(&reply);
                 PyTypeError::new_err(format!(

@@ -19,6 +19,7 @@ mod failure;
 mod finding;
 mod interpreter;
 mod json;
+mod notation;
 mod observation;
 mod picture;
 mod plan;

@@ -1,5 +1,6 @@
 //! Verified plans.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use longstep::Goal;
@@ -8,14 +9,15 @@ use longstep::report::Answer as Report;
 use longstep_core::execution::{Aim, plan_hash};
 use longstep_core::plan::{PlanFile, outline};
 use longstep_core::repair::Edit;
+use longstep_core::search;
 use longstep_core::verify::{Purpose, VerifiedPlan};
-use longstep_core::{pddl, search};
 use longstep_picture::plan::Annotations;
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
 use crate::interpreter::detach;
 use crate::json;
+use crate::notation::Notation;
 use crate::picture;
 use crate::step::Step;
 use crate::world::World;
@@ -29,7 +31,9 @@ pub(crate) struct Plan {
     file: PlanFile,
     /// The goal, with identifiers of the environment.
     goal: Vec<String>,
+    purpose: Purpose,
     annotations: Annotations,
+    edits: Vec<Edit>,
 }
 
 #[pymethods]
@@ -101,8 +105,47 @@ impl Plan {
     }
 
     /// Returns the steps in PDDL, one `(action argument ...)` a line.
-    fn pddl(&self) -> String {
-        pddl::write_plan(self.plan.world(), self.plan.steps())
+    ///
+    /// Raises `Unreadable` for a plan with branches, loops or lanes.
+    fn pddl(&self) -> PyResult<String> {
+        Ok(self.notation().pddl()?)
+    }
+
+    /// Returns the texts of `domain.pddl`, `problem.pddl` and `plan.pddl`, by these names: the input of a validator such as VAL.
+    ///
+    /// `name` is the name of the problem. Raises `Unreadable` for a plan or a goal that PDDL cannot say.
+    #[pyo3(signature = (*, name="task"))]
+    fn pddl_task(&self, py: Python<'_>, name: &str) -> PyResult<BTreeMap<&'static str, String>> {
+        Ok(detach(py, || self.notation().pddl_task(name))?)
+    }
+
+    /// Returns the plan as a behavior tree of BehaviorTree.CPP 4; with `guards`, each step checks its precondition first.
+    ///
+    /// Raises `Unreadable` for a plan that no behavior tree can have.
+    #[pyo3(signature = (*, guards=false))]
+    fn behavior_tree(&self, py: Python<'_>, guards: bool) -> PyResult<String> {
+        Ok(detach(py, || self.notation().behavior_tree(guards))?)
+    }
+
+    /// Returns the plan in the paper's Python notation, with `if` and `while`.
+    fn script(&self) -> String {
+        self.notation().script()
+    }
+
+    /// Returns a flowchart for Mermaid.
+    fn mermaid(&self, py: Python<'_>) -> String {
+        detach(py, || self.notation().mermaid())
+    }
+
+    /// Returns a flowchart for Graphviz.
+    fn dot(&self, py: Python<'_>) -> String {
+        detach(py, || self.notation().dot())
+    }
+
+    /// Returns a picture of the world before the plan beside each one that the plan can end in; the width is in pixels.
+    #[pyo3(signature = (*, width=720.0))]
+    fn scene(&self, py: Python<'_>, width: f64) -> String {
+        detach(py, || self.notation().scene(width, &self.file.instruction_summary))
     }
 
     /// Returns a picture of the steps with their reasons; the width is in pixels.
@@ -145,7 +188,9 @@ impl Plan {
             domain: Arc::clone(domain),
             file,
             goal: Vec::new(),
+            purpose: Purpose::default(),
             annotations: Annotations::default(),
+            edits: Vec::new(),
         }
     }
 
@@ -155,6 +200,7 @@ impl Plan {
         let world = self.plan.world().clone();
         Self {
             goal: goal.exact(&world),
+            purpose: goal.purpose(&world),
             annotations: self.annotations.with_goal(&world, goal),
             ..self
         }
@@ -176,7 +222,8 @@ impl Plan {
             ..Purpose::default()
         };
         Self {
-            annotations: self.annotations.with_purpose(purpose),
+            annotations: self.annotations.with_purpose(purpose.clone()),
+            purpose,
             ..self
         }
     }
@@ -184,7 +231,7 @@ impl Plan {
     /// Sets the edits of the repair that the plan comes from.
     pub(crate) fn with_edits(self, edits: &[Edit]) -> Self {
         Self {
-            annotations: self.annotations.with_edits(edits),
+            edits: edits.to_vec(),
             ..self
         }
     }
@@ -211,6 +258,17 @@ impl Plan {
     }
 
     pub(crate) fn svg_of_width(&self, py: Python<'_>, width: f64) -> String {
-        detach(py, || picture::plan(&self.plan, &self.annotations, width))
+        detach(py, || {
+            let annotations = self.annotations.clone().with_edits(&self.edits);
+            picture::plan(&self.plan, &annotations, width)
+        })
+    }
+
+    fn notation(&self) -> Notation<'_> {
+        Notation {
+            plan: &self.plan,
+            purpose: &self.purpose,
+            annotations: &self.annotations,
+        }
     }
 }
