@@ -44,7 +44,7 @@ def exported(saved: Path, task: Task, *arguments: str) -> str:
     assert PROGRAM
     command = [PROGRAM, "export", str(saved), "--domain", task.domain, *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    return done.stdout or done.stderr.splitlines()[0].removeprefix("error: ")
+    return done.stdout if done.returncode == 0 else done.stderr.splitlines()[0].removeprefix("error: ")
 
 
 def exported_task(saved: Path, task: Task, folder: Path) -> str:

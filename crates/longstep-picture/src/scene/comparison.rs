@@ -26,7 +26,7 @@ const HEADING_LINES: usize = 3;
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
-/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
 /// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
 /// let svg = scene::before_and_after(&plan, &SvgOptions::new(900.0));
 /// assert!(svg.contains("Before the plan") && svg.contains("After the plan"));
