@@ -128,11 +128,10 @@ impl Answer {
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "<longstep.Answer {}: {} steps>",
-            self.status_name(),
-            self.report.steps.len()
-        )
+        match self.report.status {
+            Status::Verified => format!("<longstep.Answer verified: {} steps>", self.report.steps.len()),
+            _ => format!("<longstep.Answer {}: {}>", self.status_name(), self.sentence()),
+        }
     }
 }
 

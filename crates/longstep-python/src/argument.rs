@@ -21,6 +21,11 @@ pub(crate) fn callable(py: Python<'_>, object: Option<Py<PyAny>>, what: &str) ->
     }
 }
 
+/// Returns the rules of a caller; none for None.
+pub(crate) fn rules(object: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
+    object.map_or_else(|| Ok(Vec::new()), |rules| strings(rules, "rules"))
+}
+
 /// Returns the strings of a sequence. A string is none: its characters are never meant.
 pub(crate) fn strings(object: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<String>> {
     let wrong = |class: String| PyTypeError::new_err(format!("{what} must be a list of str, not {class}"));

@@ -12,8 +12,10 @@ use longstep_core::search::Effort;
 use longstep_core::verify::{Purpose, VerifiedPlan};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyInt, PyString};
 
 use crate::answer::Answer;
+use crate::argument::{self, class_of};
 use crate::draft::Draft;
 use crate::failure::Failure;
 use crate::interpreter::detach;
@@ -24,10 +26,26 @@ use crate::source::{NamedText, Source};
 use crate::world::World;
 
 /// The place of a plan: a world, or a PDDL problem.
-#[derive(FromPyObject)]
 pub(crate) enum Place<'py> {
     World(Bound<'py, World>),
     Problem(Bound<'py, Problem>),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Place<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(world) = object.cast::<World>() {
+            return Ok(Self::World(world.to_owned()));
+        }
+        if let Ok(problem) = object.cast::<Problem>() {
+            return Ok(Self::Problem(problem.to_owned()));
+        }
+        let class = class_of(&object);
+        Err(PyTypeError::new_err(format!(
+            "world must be a longstep.World or a longstep.Problem, not {class}"
+        )))
+    }
 }
 
 impl Place<'_> {
@@ -104,7 +122,7 @@ pub(crate) fn verify(
     plan: &Bound<'_, PyAny>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Option<Vec<String>>,
+    rules: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Answer> {
     assessed(py, plan, &world, goal, rules, |assessment, plan_of| {
         let verifying = Instant::now();
@@ -122,11 +140,11 @@ fn assessed(
     plan: &Bound<'_, PyAny>,
     place: &Place<'_>,
     goal: Option<&str>,
-    rules: Option<Vec<String>>,
+    rules: Option<&Bound<'_, PyAny>>,
     judge: impl FnOnce(&Assessment<'_>, &dyn Fn(VerifiedPlan, &Report) -> Plan) -> Solved + Send,
 ) -> PyResult<Answer> {
     let (source, domain, ground) = (plan_source(plan)?, place.domain(), Ground::from(place));
-    let rules = rules.unwrap_or_default();
+    let rules = argument::rules(rules)?;
     let (report, plan) = detach(py, || -> Result<_, Failure> {
         let started = Instant::now();
         let draft = ground.draft(&source.read("plan")?, goal, &rules)?;
@@ -164,7 +182,7 @@ pub(crate) fn repair(
     plan: &Bound<'_, PyAny>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Option<Vec<String>>,
+    rules: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Answer> {
     assessed(py, plan, &world, goal, rules, |assessment, plan_of| {
         if assessment.question().is_some() {
@@ -189,10 +207,27 @@ pub(crate) fn repair(
 }
 
 /// The work of a search: `small`, `normal`, `large`, or millions of units.
-#[derive(FromPyObject)]
 pub(crate) enum EffortArgument {
     Named(String),
     Millions(u32),
+}
+
+impl FromPyObject<'_, '_> for EffortArgument {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        if let Ok(name) = object.cast::<PyString>() {
+            return Ok(Self::Named(name.to_str()?.to_owned()));
+        }
+        if !object.is_instance_of::<PyInt>() || object.is_instance_of::<PyBool>() {
+            let class = class_of(&object);
+            return Err(PyTypeError::new_err(format!(
+                "effort must be \"small\", \"normal\", \"large\" or an int, not {class}"
+            )));
+        }
+        // A number that is too large for the type is too large for the search, which says its limits.
+        Ok(Self::Millions(object.extract().unwrap_or(u32::MAX)))
+    }
 }
 
 impl EffortArgument {
@@ -223,10 +258,10 @@ pub(crate) fn solve(
     py: Python<'_>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Option<Vec<String>>,
+    rules: Option<&Bound<'_, PyAny>>,
     effort: Option<EffortArgument>,
 ) -> PyResult<Answer> {
-    let rules = rules.unwrap_or_default();
+    let rules = argument::rules(rules)?;
     let effort = effort.map(EffortArgument::effort).transpose()?.unwrap_or_default();
     let (limits, domain) = (Limits::from(effort), world.domain());
     let (report, plan) = match (Ground::from(&world), goal) {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use longstep::dialogue::{
-    ChatRequest, Constraint, ConstraintKind, Counting, EstimatedTokens, Message, Reply, Role, TokenCounter,
+    ChatRequest, Constraint, ConstraintKind, Counting, EstimatedTokens, Message, Reply, Role, TokenCounter, Usage,
 };
 use longstep_llm::{ChatModel, ModelError, Watch};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
@@ -154,7 +154,13 @@ impl ChatModel for CallableModel {
 
     fn chat(&mut self, request: &ChatRequest, _: &mut dyn Watch) -> Result<Reply, ModelError> {
         match self.call(request) {
-            Ok(text) => Ok(Reply::complete(text)),
+            Ok(text) => Ok(Reply {
+                usage: Usage {
+                    calls: 1,
+                    ..Usage::default()
+                },
+                ..Reply::complete(text)
+            }),
             Err(raised) => {
                 self.raised = Some(raised);
                 // The session takes the words back; the exception is raised when it has.

@@ -1,14 +1,17 @@
 //! Domains of robots.
 
 use std::collections::BTreeMap;
+use std::hash::{Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use longstep::domain;
 use longstep_core::model::GoalWord;
 use longstep_llm::load_domain;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
+use crate::argument::class_of;
 use crate::failure::Failure;
 use crate::interpreter::detach;
 
@@ -18,9 +21,22 @@ use crate::interpreter::detach;
 ///
 /// >>> longstep.Domain("household").actions[:2]
 /// ['move-object', 'move-hand']
-#[pyclass(frozen, module = "longstep")]
+#[pyclass(frozen, eq, hash, module = "longstep")]
 pub(crate) struct Domain {
     pub(crate) domain: Arc<domain::Domain>,
+}
+
+/// Domains with the same files are equal.
+impl PartialEq for Domain {
+    fn eq(&self, other: &Self) -> bool {
+        self.domain.hash == other.domain.hash
+    }
+}
+
+impl Hash for Domain {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        self.domain.hash.hash(hasher);
+    }
 }
 
 #[pymethods]
@@ -112,10 +128,25 @@ impl From<domain::Domain> for Domain {
 }
 
 /// A domain as a caller gives it.
-#[derive(FromPyObject)]
 pub(crate) enum DomainArgument<'py> {
     Loaded(Bound<'py, Domain>),
     Named(PathBuf),
+}
+
+impl<'py> FromPyObject<'_, 'py> for DomainArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match object.cast::<Domain>() {
+            Ok(domain) => Ok(Self::Loaded(domain.to_owned())),
+            Err(_) => object.extract().map(Self::Named).map_err(|_| {
+                let class = class_of(&object);
+                PyTypeError::new_err(format!(
+                    "domain must be a longstep.Domain, a str or an os.PathLike, not {class}"
+                ))
+            }),
+        }
+    }
 }
 
 impl DomainArgument<'_> {

@@ -1,6 +1,7 @@
 //! Verified plans.
 
 use std::collections::BTreeMap;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use longstep::Goal;
@@ -23,8 +24,8 @@ use crate::step::Step;
 use crate::world::World;
 
 /// A plan that was simulated from its first step to its last without a violation. Immutable; it cannot be constructed, but
-/// comes from an answer or a session.
-#[pyclass(frozen, module = "longstep", sequence)]
+/// comes from an answer or a session. Plans with the same `hash` are equal.
+#[pyclass(frozen, eq, hash, module = "longstep", sequence)]
 pub(crate) struct Plan {
     pub(crate) plan: VerifiedPlan,
     domain: Arc<LoadedDomain>,
@@ -34,6 +35,19 @@ pub(crate) struct Plan {
     purpose: Purpose,
     annotations: Annotations,
     edits: Vec<Edit>,
+}
+
+/// Plans with the same hash are equal.
+impl PartialEq for Plan {
+    fn eq(&self, other: &Self) -> bool {
+        self.hash() == other.hash()
+    }
+}
+
+impl Hash for Plan {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        Plan::hash(self).hash(hasher);
+    }
 }
 
 #[pymethods]

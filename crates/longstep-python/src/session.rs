@@ -103,6 +103,11 @@ impl Session {
                 )));
             }
         };
+        if !(temperature.is_finite() && temperature >= 0.0) {
+            return Err(PyValueError::new_err(format!(
+                "temperature must be a number from 0 on, not {temperature}"
+            )));
+        }
         let effort = effort.map(EffortArgument::effort).transpose()?;
         let settings = Settings::default()
             .with_strategy(strategy)
@@ -195,6 +200,9 @@ impl Session {
     }
 
     /// The world in which the next instruction begins.
+    ///
+    /// With the status `endings` it is still the world before the accepted plan, because nobody knows yet which of its endings
+    /// occurred: `Plan.endings` has those worlds, and `ended` chooses one.
     #[getter]
     fn world(&self) -> PyResult<World> {
         Ok(World {
@@ -281,7 +289,8 @@ impl Session {
     /// for itself.
     fn state(&self) -> Result<MutexGuard<'_, State>, Failure> {
         self.state.try_lock().map_err(|_| {
-            Failure::failed("the session is at work").hint("wait for the call of the other thread".to_owned())
+            Failure::failed("the session is at work: another call has not returned yet")
+                .hint("call it again after that; a model cannot use the session that calls it".to_owned())
         })
     }
 

@@ -10,6 +10,7 @@ use longstep_picture::SvgOptions;
 use longstep_picture::scene::{self, Changes, Scene};
 use pyo3::prelude::*;
 
+use crate::argument;
 use crate::domain::{Domain, DomainArgument};
 use crate::failure::Failure;
 use crate::interpreter::detach;
@@ -49,10 +50,10 @@ impl World {
         py: Python<'_>,
         environment: &Bound<'_, PyAny>,
         domain: Option<DomainArgument<'_>>,
-        rules: Option<Vec<String>>,
+        rules: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let source = Source::of(environment, "environment")?;
-        let rules = rules.unwrap_or_default();
+        let rules = argument::rules(rules)?;
         let domain = match domain {
             Some(domain) => domain.domain(py)?,
             None => detach(py, || Domain::load("household"))?.domain,
@@ -103,7 +104,8 @@ impl World {
     }
 
     /// Returns the world with further rules in force.
-    fn with_rules(&self, py: Python<'_>, rules: Vec<String>) -> PyResult<Self> {
+    fn with_rules(&self, py: Python<'_>, rules: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let rules = argument::rules(Some(rules))?;
         let world = detach(py, || with_rules(self.world.clone(), &rules))?;
         Ok(self.of(world))
     }

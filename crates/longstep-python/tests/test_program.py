@@ -11,9 +11,10 @@ import unittest
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import cast
 
 import longstep
-from scenes import ROOT
+from scenes import ROOT, desk, reply
 from suites import Task, damaged, tasks, without_times
 
 PROGRAM = os.environ.get("LONGSTEP_PROGRAM")
@@ -138,6 +139,23 @@ class Bytes(unittest.TestCase):
             self.assertEqual(own(longstep.solve(task)), printed("solve", *place))
             self.assertEqual(own(longstep.verify(plan, task)), printed("verify", plan, *place))
             self.assertEqual(own(longstep.repair(plan, task)), printed("repair", plan, *place))
+
+    def test_the_log_of_a_session_is_replayed_without_a_difference(self) -> None:
+        replies = iter([reply(question="Which one?"), reply("put(pen, shelf)"), reply("put(pen, desk)")])
+        session = longstep.Session(desk(), lambda _: next(replies))
+        session.instruct("Put it on the shelf")
+        session.answer("the pen")
+        session.accept()
+        session.instruct("Now the pen back to the desk")
+        session.accept()
+        session.undo()
+        with tempfile.TemporaryDirectory() as folder:
+            own = Path(folder) / "errand"
+            own.mkdir()
+            (own / "session.jsonl").write_text(session.log(), encoding="utf-8")
+            command = [cast(str, PROGRAM), "session", "replay", "errand"]
+            done = subprocess.run(command, env={**os.environ, "LONGSTEP_SESSIONS": folder}, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
 
 if __name__ == "__main__":

@@ -131,8 +131,9 @@ class Sessions(unittest.TestCase):
             return reply("put(pen, shelf)")
 
         session = longstep.Session(desk(), model)
-        with self.assertRaisesRegex(longstep.LongstepError, "at work"):
+        with self.assertRaisesRegex(longstep.LongstepError, "at work") as raised:
             session.instruct("The pen belongs on the shelf")
+        self.assertIn("a model cannot use the session that calls it", cast(str, raised.exception.hint))
 
     def test_a_second_thread_gets_an_error_while_the_model_works(self) -> None:
         working, go_on = threading.Event(), threading.Event()
@@ -184,6 +185,12 @@ class Sessions(unittest.TestCase):
         events = [line["event"] for line in lines]
         self.assertEqual(events[0], "begin")
         self.assertIn("accept", events)
+
+    def test_a_reply_counts_as_one_call(self) -> None:
+        # A replay of the log counts so too.
+        session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"))
+        answer = session.instruct("The pen belongs on the shelf")
+        self.assertEqual(answer.dict()["usage"]["calls"], 1)
 
 
 if __name__ == "__main__":
