@@ -87,7 +87,7 @@ impl Plan {
     /// The hash of the steps with all arguments, of the world before them with its rules, and of the goal: the one that an
     /// approval on a server names.
     #[getter]
-    fn hash(&self) -> String {
+    pub(crate) fn hash(&self) -> String {
         plan_hash(&self.plan, &self.goal)
     }
 

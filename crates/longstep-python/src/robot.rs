@@ -15,7 +15,7 @@ use pyo3::types::{PyString, PyTuple};
 use crate::argument::{class_of, strings};
 use crate::failure::Failure;
 use crate::interpreter::attach;
-use crate::observation;
+use crate::observation::{self, Source};
 use crate::stopping::{Raised, Stopping};
 use crate::world::World;
 
@@ -235,7 +235,7 @@ impl Robot for PythonRobot {
         let seen = attach(|py| {
             py.check_signals()?;
             let seen = self.robot.bind(py).call_method0("observe")?;
-            observation::read(&seen, "`observe`", &self.world)
+            observation::read(&seen, Source::Robot, &self.world)
         });
         seen.map_err(|error| {
             if self.follows_from_stop(&error) {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use longstep_core::environment::Observation;
 use longstep_core::execution::{Approval, BeginError, Execution, Settings, Stop, Trust, Watch};
 use longstep_robot::{
     Driven, Robot as _, RobotError, RunControl, RunHeader, RunLog, drive, observed_reports, preflight,
@@ -35,13 +36,17 @@ pub(crate) struct Run {
     is_resumable: bool,
     changes: u32,
     events: String,
+    /// The hash of the plan with which the run began.
+    pub(crate) plan: String,
+    /// The world after the run as far as it was seen, for a session.
+    pub(crate) statements: Observation,
 }
 
 #[pymethods]
 impl Run {
     /// True if the goal is reached in the observed world.
     #[getter]
-    fn is_done(&self) -> bool {
+    pub(crate) fn is_done(&self) -> bool {
         self.stop.is_none()
     }
 
@@ -164,6 +169,8 @@ pub(crate) fn run(
         changes: execution.changes(),
         world: Py::new(py, plan.world_of(execution.after()))?,
         events: Value::from(events).to_string(),
+        plan: plan.hash(),
+        statements: execution.statements(),
     })
 }
 

@@ -7,7 +7,7 @@ use longstep::Planner;
 use longstep::domain::Domain as LoadedDomain;
 use longstep::report::{Answer as Report, Status};
 use longstep::session::{
-    Accepted, Entry, OutOfTurn, Proposal, Response, RuleError, Session as OwnSession, Settings, Strategy,
+    Accepted, Entry, ObserveError, OutOfTurn, Proposal, Response, RuleError, Session as OwnSession, Settings, Strategy,
 };
 use longstep_llm::{AdvanceError, ChatModel, Progress, advance};
 use pyo3::exceptions::PyValueError;
@@ -19,7 +19,9 @@ use crate::assess::{EffortArgument, clock};
 use crate::callable::{Callable, CallableModel};
 use crate::failure::Failure;
 use crate::interpreter::{Call, detach};
+use crate::observation::{self, Source};
 use crate::plan::{Plan, quoted};
+use crate::run::Run;
 use crate::world::World;
 
 /// Maximum length of an instruction, in characters.
@@ -179,6 +181,47 @@ impl Session {
     /// Chooses the way in which the last accepted plan ended, by its place in `endings`.
     fn ended(&self, ending: usize) -> PyResult<()> {
         Ok(self.state()?.session.ended(ending).map_err(out_of_turn)?)
+    }
+
+    /// Takes what was seen since the last plan, and returns the differences from what the session expected, as sentences. The
+    /// next instruction begins in the world that was seen.
+    ///
+    /// `seen` is an observation, as a robot's `observe` returns it, or a whole `World`. What it does not list stays as it was
+    /// expected. Raises `LongstepError` while an instruction is in progress.
+    fn observed(&self, seen: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+        let mut state = self.state()?;
+        let statements = match seen.cast::<World>() {
+            Ok(world) if world.get().domain.hash == self.domain.hash => observation::of_world(&world.get().world),
+            Ok(world) => return Err(other_domain(&world.get().domain, &self.domain).into()),
+            Err(_) => observation::read(seen, Source::Argument, state.session.world())?,
+        };
+        let observed = state.session.observed(&statements).map_err(not_observed)?;
+        Ok(observed.changes)
+    }
+
+    /// Records that a robot carried out the first accepted plan that waits for one, and returns the differences of the world
+    /// after the run from what the session expected, as sentences. The next instruction begins in that world.
+    ///
+    /// A plan whose run stopped before its goal still waits. Raises `LongstepError` for the run of another plan.
+    fn carried_out(&self, run: &Bound<'_, Run>) -> PyResult<Vec<String>> {
+        let run = run.get();
+        let mut state = self.state()?;
+        let number = state.session.pending().next();
+        let waits = number.and_then(|number| Some((number, state.session.accepted().get(number)?)));
+        let Some((number, accepted)) = waits else {
+            return Err(Failure::failed("no accepted plan waits for a robot")
+                .hint("`Session.observed` takes what was seen".to_owned())
+                .into());
+        };
+        if self.plan_of(&state.session, number, accepted).hash() != run.plan {
+            return Err(
+                Failure::failed("the run carried out another plan than the accepted one that comes next")
+                    .hint("`Session.observed(run.world)` takes the world after it".to_owned())
+                    .into(),
+            );
+        }
+        let observed = state.session.carried_out(number, run.is_done(), &run.statements);
+        Ok(observed.map_err(not_observed)?.changes)
     }
 
     /// Puts a rule in force for all later plans: `never GOAL`, `always GOAL` or `untouched(NAME)`.
@@ -382,6 +425,21 @@ fn check_consent(session: &OwnSession) -> Result<(), Failure> {
 
 fn out_of_turn(error: OutOfTurn) -> Failure {
     Failure::failed(error.to_string()).hint("`Session.status` says what fits".to_owned())
+}
+
+fn not_observed(error: ObserveError) -> Failure {
+    match error {
+        ObserveError::OutOfTurn(error) => out_of_turn(error),
+        error => Failure::unreadable(error.to_string()),
+    }
+}
+
+/// Returns the failure for a world of another domain.
+fn other_domain(other: &LoadedDomain, own: &LoadedDomain) -> Failure {
+    Failure::unreadable(format!(
+        "this world is of the domain `{}`, and the session of the domain `{}`",
+        other.name, own.name
+    ))
 }
 
 fn rule_failure(error: RuleError) -> Failure {

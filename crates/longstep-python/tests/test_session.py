@@ -10,7 +10,7 @@ import weakref
 from typing import Any, cast
 
 import longstep
-from scenes import desk, reply
+from scenes import DESK, Recorder, desk, reply
 
 
 class Sessions(unittest.TestCase):
@@ -174,6 +174,52 @@ class Sessions(unittest.TestCase):
     def test_a_model_that_is_no_callable_is_a_type_error(self) -> None:
         with self.assertRaisesRegex(TypeError, "the model must be callable, not str"):
             longstep.Session(desk(), cast(Any, "gpt-4.1"))
+
+    def test_the_next_instruction_begins_in_the_world_that_a_run_saw(self) -> None:
+        session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"))
+        session.instruct("The pen belongs on the shelf")
+        plan = session.accept()
+        for robot, done, changes in (
+            (Recorder(desk()), False, ["the pen is not on the shelf any more", "the pen is on the desk"]),
+            (longstep.Sim(desk()), True, ["the pen is not on the desk any more", "the pen is on the shelf"]),
+        ):
+            run = longstep.run(plan, robot, approve="never" if done else "changes")
+            self.assertEqual((run.is_done, session.carried_out(run)), (done, changes))
+            place = "on_something(<shelf>)" if done else "on_something(<desk>)"
+            self.assertEqual(session.world.environment()["object_states"]["<pen>"], place)
+        with self.assertRaisesRegex(longstep.LongstepError, "no accepted plan waits"):
+            session.carried_out(run)
+        self.assertEqual([json.loads(line)["event"] for line in session.log().splitlines()].count("carried_out"), 2)
+
+    def test_the_run_of_another_plan_is_refused(self) -> None:
+        session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"))
+        session.instruct("The pen belongs on the shelf")
+        session.accept()
+        other = longstep.solve(desk(), "put(pen, shelf) then put(pen, desk)").verified()
+        run = longstep.run(other, longstep.Sim(desk()), approve="never")
+        with self.assertRaisesRegex(longstep.LongstepError, "another plan"):
+            session.carried_out(run)
+        self.assertEqual(session.observed(run.world), ["the pen is not on the shelf any more", "the pen is on the desk"])
+
+    def test_the_next_instruction_begins_in_the_world_that_was_seen(self) -> None:
+        moved = longstep.World({**DESK, "object_states": {"<pen>": "on_something(<shelf>)"}})
+        observation: longstep.Observation = {"states": {"<pen>": ["on_something(<shelf>)"]}}
+        for seen in (moved, observation):
+            session = longstep.Session(desk(), lambda _: reply("put(pen, desk)"))
+            self.assertEqual(session.observed(seen), ["the pen is not on the desk any more", "the pen is on the shelf"])
+            self.assertEqual(len(session.instruct("The pen belongs on the desk").verified()), 6)
+            with self.assertRaisesRegex(longstep.LongstepError, "does not fit here"):
+                session.observed(seen)
+        session = longstep.Session(desk(), lambda _: reply())
+        wrong: list[tuple[object, type[Exception], str]] = [
+            ([], TypeError, "an observation must be .* not list"),
+            ({"states": {"pen": []}}, ValueError, "the observation names .*did you mean `<pen>`"),
+            ({"states": {"<pen>": ["flying()"]}}, longstep.Unreadable, "flying"),
+            (longstep.World({"assets": ["<desk>"]}, domain="household-dual"), longstep.Unreadable, "household-dual"),
+        ]
+        for value, error, message in wrong:
+            with self.subTest(value), self.assertRaisesRegex(error, message):
+                session.observed(cast(Any, value))
 
     def test_the_log_has_every_event(self) -> None:
         session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"), name="scripted")
