@@ -41,7 +41,9 @@ impl Callable {
 
     /// Drops the callable, which is part of a cycle that nothing else refers to.
     pub(crate) fn clear(&self) {
-        drop(self.callable().take());
+        // Dropped after the lock, because that can run code in Python.
+        let callable = self.callable().take();
+        drop(callable);
     }
 
     fn get(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {

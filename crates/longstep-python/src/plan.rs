@@ -274,7 +274,7 @@ impl Plan {
     pub(crate) fn svg_of_width(&self, py: Python<'_>, width: f64) -> String {
         detach(py, || {
             let annotations = self.annotations.clone().with_edits(&self.edits);
-            picture::plan(&self.plan, &annotations, width)
+            picture::plan(&self.plan, &annotations, width, &self.file.instruction_summary)
         })
     }
 

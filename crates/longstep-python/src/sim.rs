@@ -105,28 +105,33 @@ impl Sim {
         self.sim.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Performs a step, and returns the index of the outcome that was sensed.
     fn carry_out(
         &self,
         action: &str,
         arguments: &Bound<'_, PyTuple>,
         outcomes: Vec<String>,
     ) -> PyResult<Option<usize>> {
-        let py = arguments.py();
-        let arguments = strings(arguments, "the arguments of a step")?;
-        let mut sim = self.lock();
-        let failed = |error: RobotError| match error {
-            RobotError::InvalidOrder { reason, .. } => PyValueError::new_err(reason),
-            error @ RobotError::Unsupported { .. } => PyValueError::new_err(error.to_string()),
-            error => PyRuntimeError::new_err(error.to_string()),
-        };
-        let mut order = Order::new(1, action, arguments);
+        let mut order = Order::new(1, action, strings(arguments, "the arguments of a step")?);
         order.outcomes = outcomes;
-        let handle = sim.start(&order).map_err(failed)?;
+        match self.performed(&order) {
+            Ok(Progress::Failed { reason }) => Err(step_failed(arguments.py(), &reason)),
+            Ok(Progress::Done { outcome }) => Ok(outcome),
+            Ok(Progress::Running(_)) => Ok(None),
+            Err(RobotError::InvalidOrder { reason, .. }) => Err(PyValueError::new_err(reason)),
+            Err(error @ RobotError::Unsupported { .. }) => Err(PyValueError::new_err(error.to_string())),
+            Err(error) => Err(PyRuntimeError::new_err(error.to_string())),
+        }
+    }
+
+    /// Performs an order to its end. Runs no code in Python: another thread may wait for the lock with the interpreter, to stop.
+    fn performed(&self, order: &Order) -> Result<Progress, RobotError> {
+        let mut sim = self.lock();
+        let handle = sim.start(order)?;
         loop {
-            match sim.poll(handle).map_err(failed)? {
+            match sim.poll(handle)? {
                 Progress::Running(_) => {}
-                Progress::Done { outcome } => return Ok(outcome),
-                Progress::Failed { reason } => return Err(step_failed(py, &reason)),
+                end => return Ok(end),
             }
         }
     }

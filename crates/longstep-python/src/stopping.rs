@@ -31,12 +31,16 @@ impl Raised {
 
     /// Keeps an exception that ends the run, unless there is one already.
     pub(crate) fn keep(&self, error: PyErr) {
-        self.exceptions().first.get_or_insert(error);
+        let mut exceptions = self.exceptions();
+        // Another one is dropped after the lock, because that can run code in Python.
+        if exceptions.first.is_none() {
+            exceptions.first = Some(error);
+        }
     }
 
     /// Keeps the exception of the robot's `stop`.
     fn keep_of_stop(&self, error: PyErr) {
-        self.exceptions().of_stop.get_or_insert(error);
+        self.exceptions().of_stop = Some(error);
     }
 
     /// Returns true if an exception ends the run.

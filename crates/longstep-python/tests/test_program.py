@@ -94,6 +94,7 @@ class Bytes(unittest.TestCase):
             ("mermaid",): plan.mermaid,
             ("dot",): plan.dot,
             ("python",): plan.script,
+            ("svg", "--width", "640"): lambda: plan.svg(width=640),
             ("scene", "--width", "640"): lambda: plan.scene(width=640),
         }
         pairs = [(" ".join(form), text_or_message(write), exported(saved, task, "--format", *form)) for form, write in forms.items()]

@@ -10,7 +10,7 @@ import weakref
 from typing import Any, cast
 
 import longstep
-from scenes import DESK, Recorder, desk, reply
+from scenes import DESK, ROOT, Recorder, desk, reply
 
 
 class Sessions(unittest.TestCase):
@@ -75,6 +75,29 @@ class Sessions(unittest.TestCase):
                 plan = session.accept(consent=True)
                 self.assertEqual(plan.json(), session.accepted[0].json())
                 self.assertTrue(set(left_out) <= {words.removeprefix("but ") for words in plan.left_out}, plan.left_out)
+
+    def test_the_loop_of_the_guide_shows_every_question(self) -> None:
+        guide = (ROOT / "docs" / "guide" / "python.md").read_text(encoding="utf-8")
+        begin = guide.index("answer = session.instruct(")
+        loop = guide[begin : guide.index("```", begin)]
+        replies = iter([
+            reply(question="Which one?"),
+            reply("put(pen, shelf)", question="Is the desk free?"),
+        ])
+        session = longstep.Session(desk(), lambda _: next(replies))
+        shown: list[str] = []
+        people = iter(["the pen", "y"])
+
+        def ask(question: str = "") -> str:
+            shown.append(question)
+            return next(people)
+
+        names: dict[str, Any] = {"session": session, "input": ask, "print": lambda *words: shown.extend(map(str, words))}
+        exec(loop, names)
+        self.assertEqual((len(names["plan"]), session.status), (6, "ready"))
+        self.assertEqual(shown[0], "Which one?")
+        self.assertIn("move the hand to the pen", shown[1])
+        self.assertEqual(shown[2], names["answer"].question)
 
     def test_a_plan_without_a_question_offers_nothing(self) -> None:
         session = longstep.Session(desk(), lambda _: reply("put(pen, shelf)"))
