@@ -5,8 +5,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use longstep_robot::RunControl;
 use pyo3::prelude::*;
 
-use crate::failure::Failure;
-
 /// A run that is under way.
 struct Run {
     /// The process that carries it out, and not one that was forked from it.
@@ -29,20 +27,19 @@ pub(crate) struct Active {
 }
 
 impl Active {
-    /// Adds a run, unless another one uses the robot.
-    pub(crate) fn begin(robot: &Bound<'_, PyAny>, control: &RunControl) -> Result<Self, Failure> {
+    /// Adds a run; none if another one uses the robot.
+    pub(crate) fn begin(robot: &Bound<'_, PyAny>, control: &RunControl) -> Option<Self> {
         let (process, robot) = (std::process::id(), robot.as_ptr() as usize);
         let mut runs = runs();
         if runs.iter().any(|run| (run.process, run.robot) == (process, robot)) {
-            return Err(Failure::failed("nothing has moved: another run uses this robot")
-                .hint("wait until that run has ended, or stop it with `Control.stop`".to_owned()));
+            return None;
         }
         runs.push(Run {
             process,
             robot,
             control: control.clone(),
         });
-        Ok(Self { process, robot })
+        Some(Self { process, robot })
     }
 }
 

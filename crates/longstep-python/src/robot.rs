@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use longstep::domain::Domain as LoadedDomain;
 use longstep_core::environment::{Observation, World as ReadWorld};
+use longstep_core::model::PredicateId;
 use longstep_core::verify::VerifiedPlan;
 use longstep_robot::{Description, Handle, Order, Progress, Robot, RobotError, Scope, StopSwitch};
 use pyo3::exceptions::{PyException, PyRuntimeError, PyTypeError, PyValueError};
@@ -91,6 +92,19 @@ impl PythonRobot {
     /// Returns the name of the robot's class.
     pub(crate) fn name(&self) -> &str {
         &self.description.name
+    }
+
+    /// Returns the hint for a robot that reports events and does not count them anew with each plan, if it is one.
+    pub(crate) fn hint_about_events(&self, world: &ReadWorld) -> Option<String> {
+        let domain = world.domain();
+        let is_event = |name: &String| {
+            let mut predicates = (0..domain.predicates.len()).map(PredicateId::new);
+            predicates.any(|id| domain.predicate(id).name == *name && domain.words(id).event)
+        };
+        let event = self.description.reports.iter().find(|name| is_event(name))?;
+        (!self.description.counts_events).then(|| {
+            format!("`{event}` is an event: add a method `begin_plan(world)`, which begins to count events anew")
+        })
     }
 
     /// Checks that the robot senses if the plan does.

@@ -144,7 +144,10 @@ pub(crate) fn run(
     let object = robot;
     let mut robot = PythonRobot::new(object, plan.domain(), plan.plan.world())?;
     let control = control.map_or_else(|| Ok(RunControl::default()), |control| control.get().take())?;
-    let _active = Active::begin(object, &control)?;
+    let _active = Active::begin(object, &control).ok_or_else(|| {
+        Failure::failed("nothing has moved: another run uses this robot")
+            .hint("wait until that run has ended, or stop it with `Control.stop`".to_owned())
+    })?;
     let (raised, stopping) = (robot.raised(), Arc::clone(robot.stopping()));
     let is_logged = log.is_some();
     let done = detach(py, || -> Result<_, Failure> {
@@ -206,8 +209,10 @@ fn driven(
 /// Begins the execution of a plan on a robot that understands every step. Nothing has moved when this fails.
 fn begun(plan: &Plan, robot: &PythonRobot, settings: Settings) -> Result<Execution, Failure> {
     let world = plan.plan.world();
-    let reports = observed_reports(robot, world)
-        .map_err(|error| Failure::failed(error.to_string()).hint(error.hint().map(str::to_owned)))?;
+    let reports = observed_reports(robot, world).map_err(|error| {
+        let hint = error.hint().map(str::to_owned);
+        Failure::failed(error.to_string()).hint(hint.or_else(|| robot.hint_about_events(world)))
+    })?;
     let settings = settings.with_reports(reports);
     robot.check_senses(&plan.plan)?;
     let unfit = |error: RobotError| Failure::failed(error.to_string()).hint(error.hint().map(str::to_owned));

@@ -51,6 +51,25 @@ class Messages(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "the attribute `reports` of a robot must be a list of str, not str"):
             longstep.run(longstep.solve(desk(), GOAL).verified(), Wrong(), approve="never")
 
+    def test_a_robot_that_reports_events_needs_begin_plan(self) -> None:
+        sim = longstep.Sim(desk())
+
+        class Arm:
+            reports = sim.reports
+
+            def perform(self, action: str, /, *arguments: str) -> None:
+                raise AssertionError
+
+            def observe(self) -> longstep.Observation:
+                raise AssertionError
+
+            def stop(self) -> None:
+                raise AssertionError
+
+        with self.assertRaisesRegex(longstep.LongstepError, "it reports `wiped`") as raised:
+            longstep.run(longstep.solve(desk(), GOAL).verified(), Arm(), approve="never")
+        self.assertIn("begin_plan(world)", cast(str, raised.exception.hint))
+
     def test_temperatures_are_numbers(self) -> None:
         for temperature in (math.nan, math.inf, -1.0):
             with self.assertRaisesRegex(ValueError, "temperature"):

@@ -383,6 +383,17 @@ class Ends(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", program, "run"], cwd=Path(__file__).parent, capture_output=True, text=True, timeout=LIMIT)
         self.assertEqual((done.returncode, done.stdout.count("stopped\n")), (0, 3))
 
+    def test_a_program_does_not_wait_for_a_model_that_never_answers(self) -> None:
+        program = ENDINGS.replace("time.sleep(0.01)\n    return", "time.sleep(600)\n    return")
+        self.assertNotEqual(program, ENDINGS)
+        begun = time.monotonic()
+        done = subprocess.run(
+            [sys.executable, "-c", program, "instruct"], cwd=Path(__file__).parent, capture_output=True, text=True, timeout=LIMIT
+        )
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        # The limit is five seconds; the rest is the beginning of the program.
+        self.assertLess(time.monotonic() - begun, 30)
+
     def test_a_forked_child_stops_no_run_of_its_parent(self) -> None:
         program = ENDINGS[: ENDINGS.index("import atexit")] + """
 import os

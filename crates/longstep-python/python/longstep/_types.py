@@ -104,7 +104,10 @@ class Robot(Protocol):
         ...
 
     def stop(self) -> None:
-        """Stops the robot at once."""
+        """Stops the robot at once.
+
+        A run calls it at most once: in its own thread, or in the thread that calls `Control.stop`, also while `perform` is at work.
+        """
         ...
 
 
