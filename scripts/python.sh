@@ -64,7 +64,8 @@ while read -r version python; do
     PATH="$work/empty" ${alone[@]+"${alone[@]/#unshare/$(command -v unshare)}"} "$work/$version/bin/python" -m pip install --quiet \
         --disable-pip-version-check --no-index --no-deps "$wheel"
     (cd "$work" && "$work/$version/bin/python" "$crate/tests/installed.py" "$root")
-    (cd "$crate/tests" && "$work/$version/bin/python" -m unittest --quiet test_docstrings test_plans test_run test_session)
+    (cd "$crate/tests" && "$work/$version/bin/python" -m unittest --quiet test_arguments test_control test_docstrings test_plans \
+        test_run test_session)
     tried+=("$version")
 done < <(pythons)
 [ ${#tried[@]} -gt 0 ] || {

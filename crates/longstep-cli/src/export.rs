@@ -4,15 +4,14 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::report::{Answer, Status};
-use longstep_core::environment::fact_text;
 use longstep_core::pddl::{self, SolvedTask, WriteError};
 use longstep_core::plan::behavior_tree::{self, Guards};
 use longstep_core::plan::{Written, script};
-use longstep_core::verify::{Ending, VerifiedPlan};
+use longstep_core::verify::VerifiedPlan;
 use longstep_files::write_file_set;
 use longstep_picture::SvgOptions;
 use longstep_picture::plan::{Diagram, dot, exceeds_defaults_of_mermaid, mermaid, svg};
-use longstep_picture::scene::{self, Scene};
+use longstep_picture::scene;
 
 use crate::arguments::{ExportArguments, PlanFormat};
 use crate::draft::Draft;
@@ -86,7 +85,7 @@ fn write(arguments: &ExportArguments, draft: &Draft, verified: &VerifiedPlan, an
         }
         PlanFormat::Scene => {
             let options = SvgOptions::new(f64::from(arguments.width)).with_title(&answer.plan.instruction_summary);
-            before_and_after(verified, &options)
+            scene::before_and_after(verified, &options)
         }
     };
     if arguments.format == PlanFormat::Mermaid && exceeds_defaults_of_mermaid(&text) {
@@ -126,20 +125,4 @@ fn no_task(error: &WriteError) -> Failure {
         ),
         _ => failure.hint("without `--folder`, the plan alone is written"),
     }
-}
-
-/// Draws the world before a plan beside each one that the plan can end in.
-fn before_and_after(verified: &VerifiedPlan, options: &SvgOptions) -> String {
-    let world = verified.world();
-    let after = |ending: &Ending| {
-        let outcomes: Vec<String> = ending.when.iter().map(|fact| fact_text(world, *fact, true)).collect();
-        let heading = match outcomes.as_slice() {
-            [] => "After the plan".to_owned(),
-            outcomes => format!("After the plan, if {}", outcomes.join(" and ")),
-        };
-        (heading, Scene::of(world, &ending.after))
-    };
-    let afters: Vec<(String, Scene)> = verified.endings().iter().map(after).collect();
-    let before = Scene::of(world, &world.state);
-    scene::comparison(("Before the plan", &before), &afters, options)
 }

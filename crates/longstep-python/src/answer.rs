@@ -15,6 +15,7 @@ use crate::step::Step;
 pub(crate) struct Answer {
     report: Report,
     plan: Option<Py<Plan>>,
+    offer: Option<Py<Plan>>,
 }
 
 #[pymethods]
@@ -41,6 +42,15 @@ impl Answer {
     #[getter]
     fn plan(&self, py: Python<'_>) -> Option<Py<Plan>> {
         self.plan.as_ref().map(|plan| plan.clone_ref(py))
+    }
+
+    /// The verified plan that a session offers with the question; none without one.
+    ///
+    /// It is not what was asked for: it leaves out a part of the instruction, or the model asks about it. It is for the person
+    /// who answers the question, and `Session.accept(consent=True)` accepts it.
+    #[getter]
+    fn offer(&self, py: Python<'_>) -> Option<Py<Plan>> {
+        self.offer.as_ref().map(|plan| plan.clone_ref(py))
     }
 
     /// Returns the verified plan.
@@ -118,18 +128,27 @@ impl Answer {
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "<longstep.Answer {}: {} steps>",
-            self.status_name(),
-            self.report.steps.len()
-        )
+        match self.report.status {
+            Status::Verified => format!("<longstep.Answer verified: {} steps>", self.report.steps.len()),
+            _ => format!("<longstep.Answer {}: {}>", self.status_name(), self.sentence()),
+        }
     }
 }
 
 impl Answer {
     pub(crate) fn new(py: Python<'_>, report: Report, plan: Option<Plan>) -> PyResult<Self> {
         let plan = plan.map(|plan| Py::new(py, plan)).transpose()?;
-        Ok(Self { report, plan })
+        Ok(Self {
+            report,
+            plan,
+            offer: None,
+        })
+    }
+
+    /// Adds the plan that is offered with the question.
+    pub(crate) fn offering(self, py: Python<'_>, plan: Option<Plan>) -> PyResult<Self> {
+        let offer = plan.map(|plan| Py::new(py, plan)).transpose()?;
+        Ok(Self { offer, ..self })
     }
 
     /// Returns the failure of a caller that needs the verified plan.
@@ -159,6 +178,9 @@ impl Answer {
             Status::Invalid => Some("`longstep.repair` may mend the plan".to_owned()),
             Status::GaveUp => Some("pass a larger `effort`".to_owned()),
             Status::Unsolvable => self.report.notes.first().cloned(),
+            Status::Question if self.offer.is_some() => Some(
+                "show `answer.offer` with the question; then `Session.accept(consent=True)` or `cancel()`".to_owned(),
+            ),
             Status::Verified | Status::Question => None,
         }
     }

@@ -12,10 +12,13 @@ use longstep_core::search::Effort;
 use longstep_core::verify::{Purpose, VerifiedPlan};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyInt, PyString};
 
 use crate::answer::Answer;
+use crate::argument::{self, class_of};
 use crate::draft::Draft;
 use crate::failure::Failure;
+use crate::interpreter::detach;
 use crate::plan::Plan;
 use crate::problem::Problem;
 use crate::rule::with_rules;
@@ -23,10 +26,26 @@ use crate::source::{NamedText, Source};
 use crate::world::World;
 
 /// The place of a plan: a world, or a PDDL problem.
-#[derive(FromPyObject)]
 pub(crate) enum Place<'py> {
     World(Bound<'py, World>),
     Problem(Bound<'py, Problem>),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Place<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(world) = object.cast::<World>() {
+            return Ok(Self::World(world.to_owned()));
+        }
+        if let Ok(problem) = object.cast::<Problem>() {
+            return Ok(Self::Problem(problem.to_owned()));
+        }
+        let class = class_of(&object);
+        Err(PyTypeError::new_err(format!(
+            "world must be a longstep.World or a longstep.Problem, not {class}"
+        )))
+    }
 }
 
 impl Place<'_> {
@@ -75,7 +94,9 @@ impl Ground<'_> {
 
 /// Returns the plan of an assessment, with the goal of its draft.
 fn plan_of(domain: &Arc<LoadedDomain>, draft: &Draft, plan: VerifiedPlan, report: &Report) -> Plan {
-    let plan = Plan::new(domain, plan, report.plan.clone()).for_goal(draft.goal.as_ref());
+    let plan = Plan::new(domain, plan, report.plan.clone())
+        .for_goal(draft.goal.as_ref())
+        .leaving_out(draft.left_out());
     if draft.wanted.is_empty() {
         plan
     } else {
@@ -101,7 +122,7 @@ pub(crate) fn verify(
     plan: &Bound<'_, PyAny>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Option<Vec<String>>,
+    rules: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Answer> {
     assessed(py, plan, &world, goal, rules, |assessment, plan_of| {
         let verifying = Instant::now();
@@ -119,12 +140,12 @@ fn assessed(
     plan: &Bound<'_, PyAny>,
     place: &Place<'_>,
     goal: Option<&str>,
-    rules: Option<Vec<String>>,
+    rules: Option<&Bound<'_, PyAny>>,
     judge: impl FnOnce(&Assessment<'_>, &dyn Fn(VerifiedPlan, &Report) -> Plan) -> Solved + Send,
 ) -> PyResult<Answer> {
     let (source, domain, ground) = (plan_source(plan)?, place.domain(), Ground::from(place));
-    let rules = rules.unwrap_or_default();
-    let (report, plan) = py.detach(|| -> Result<_, Failure> {
+    let rules = argument::rules(rules)?;
+    let (report, plan) = detach(py, || -> Result<_, Failure> {
         let started = Instant::now();
         let draft = ground.draft(&source.read("plan")?, goal, &rules)?;
         let (mut report, plan) = judge(&draft.assessment(), &|plan, report| {
@@ -161,7 +182,7 @@ pub(crate) fn repair(
     plan: &Bound<'_, PyAny>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Option<Vec<String>>,
+    rules: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Answer> {
     assessed(py, plan, &world, goal, rules, |assessment, plan_of| {
         if assessment.question().is_some() {
@@ -186,10 +207,27 @@ pub(crate) fn repair(
 }
 
 /// The work of a search: `small`, `normal`, `large`, or millions of units.
-#[derive(FromPyObject)]
 pub(crate) enum EffortArgument {
     Named(String),
     Millions(u32),
+}
+
+impl FromPyObject<'_, '_> for EffortArgument {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        if let Ok(name) = object.cast::<PyString>() {
+            return Ok(Self::Named(name.to_str()?.to_owned()));
+        }
+        if !object.is_instance_of::<PyInt>() || object.is_instance_of::<PyBool>() {
+            let class = class_of(&object);
+            return Err(PyTypeError::new_err(format!(
+                "effort must be \"small\", \"normal\", \"large\" or an int, not {class}"
+            )));
+        }
+        // A number that is too large for the type is too large for the search, which says its limits.
+        Ok(Self::Millions(object.extract().unwrap_or(u32::MAX)))
+    }
 }
 
 impl EffortArgument {
@@ -220,15 +258,15 @@ pub(crate) fn solve(
     py: Python<'_>,
     world: Place<'_>,
     goal: Option<&str>,
-    rules: Option<Vec<String>>,
+    rules: Option<&Bound<'_, PyAny>>,
     effort: Option<EffortArgument>,
 ) -> PyResult<Answer> {
-    let rules = rules.unwrap_or_default();
+    let rules = argument::rules(rules)?;
     let effort = effort.map(EffortArgument::effort).transpose()?.unwrap_or_default();
     let (limits, domain) = (Limits::from(effort), world.domain());
     let (report, plan) = match (Ground::from(&world), goal) {
-        (Ground::World(world), Some(goal)) => py.detach(|| for_goal(world, goal, &rules, &limits, &domain))?,
-        (Ground::Problem(problem), None) if rules.is_empty() => py.detach(|| for_problem(problem, &limits, &domain))?,
+        (Ground::World(world), Some(goal)) => detach(py, || for_goal(world, goal, &rules, &limits, &domain))?,
+        (Ground::Problem(problem), None) if rules.is_empty() => detach(py, || for_problem(problem, &limits, &domain))?,
         (Ground::World(_), None) => return Err(PyTypeError::new_err("solve() needs a goal for a world")),
         (Ground::Problem(_), _) => {
             return Err(PyTypeError::new_err(

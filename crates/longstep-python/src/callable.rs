@@ -1,19 +1,65 @@
 //! A Python callable as a language model.
 
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
 use longstep::dialogue::{
-    ChatRequest, Constraint, ConstraintKind, Counting, EstimatedTokens, Message, Reply, Role, TokenCounter,
+    ChatRequest, Constraint, ConstraintKind, Counting, EstimatedTokens, Message, Reply, Role, TokenCounter, Usage,
 };
 use longstep_llm::{ChatModel, ModelError, Watch};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use serde_json::{Value, json};
 
+use crate::argument::class_of;
+use crate::interpreter::attach;
 use crate::json::object;
+
+/// A callable, with its place among the objects that Python's collector of reference cycles knows.
+#[derive(Clone)]
+pub(crate) struct Callable(Arc<Mutex<Option<Py<PyAny>>>>);
+
+impl Callable {
+    /// Takes a callable.
+    pub(crate) fn new(object: &Bound<'_, PyAny>, what: &str) -> PyResult<Self> {
+        if !object.is_callable() {
+            let class = class_of(object);
+            return Err(PyTypeError::new_err(format!("{what} must be callable, not {class}")));
+        }
+        Ok(Self(Arc::new(Mutex::new(Some(object.clone().unbind())))))
+    }
+
+    /// Shows the callable to the collector.
+    pub(crate) fn traverse(&self, visit: &PyVisit<'_>) -> Result<(), PyTraverseError> {
+        match self.0.try_lock() {
+            Ok(callable) => visit.call(callable.as_ref()),
+            // It is being taken out, so it is in use.
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Drops the callable, which is part of a cycle that nothing else refers to.
+    pub(crate) fn clear(&self) {
+        // Dropped after the lock, because that can run code in Python.
+        let callable = self.callable().take();
+        drop(callable);
+    }
+
+    fn get(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let callable = self.callable().as_ref().map(|own| own.clone_ref(py));
+        callable.ok_or_else(|| PyRuntimeError::new_err("the session was collected"))
+    }
+
+    /// Locked with the interpreter alone, and for no call: nobody waits for it.
+    fn callable(&self) -> MutexGuard<'_, Option<Py<PyAny>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 /// A callable that takes a request as a dict and returns the text of the reply.
 pub(crate) struct CallableModel {
-    callable: Py<PyAny>,
+    callable: Callable,
     name: String,
     context_tokens: Option<u64>,
     temperature: f64,
@@ -23,7 +69,7 @@ pub(crate) struct CallableModel {
 }
 
 impl CallableModel {
-    pub(crate) fn new(callable: Py<PyAny>, name: String, context_tokens: Option<u64>, temperature: f64) -> Self {
+    pub(crate) fn new(callable: Callable, name: String, context_tokens: Option<u64>, temperature: f64) -> Self {
         Self {
             callable,
             name,
@@ -40,14 +86,15 @@ impl CallableModel {
     }
 
     fn call(&self, request: &ChatRequest) -> PyResult<String> {
-        Python::attach(|py| {
+        attach(|py| {
             py.check_signals()?;
-            let reply = self.callable.bind(py).call1((object(py, &self.body(request))?,))?;
+            let reply = self
+                .callable
+                .get(py)?
+                .bind(py)
+                .call1((object(py, &self.body(request))?,))?;
             let text = reply.cast::<PyString>().map_err(|_| {
-                let class = reply
-                    .get_type()
-                    .name()
-                    .map_or_else(|_| "?".to_owned(), |name| name.to_string());
+                let class = class_of(&reply);
                 PyTypeError::new_err(format!(
                     "the model must return the text of its reply as a str, not {class}"
                 ))
@@ -109,7 +156,13 @@ impl ChatModel for CallableModel {
 
     fn chat(&mut self, request: &ChatRequest, _: &mut dyn Watch) -> Result<Reply, ModelError> {
         match self.call(request) {
-            Ok(text) => Ok(Reply::complete(text)),
+            Ok(text) => Ok(Reply {
+                usage: Usage {
+                    calls: 1,
+                    ..Usage::default()
+                },
+                ..Reply::complete(text)
+            }),
             Err(raised) => {
                 self.raised = Some(raised);
                 // The session takes the words back; the exception is raised when it has.

@@ -1,15 +1,19 @@
 //! Domains of robots.
 
 use std::collections::BTreeMap;
+use std::hash::{Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use longstep::domain;
 use longstep_core::model::GoalWord;
 use longstep_llm::load_domain;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
+use crate::argument::class_of;
 use crate::failure::Failure;
+use crate::interpreter::detach;
 
 /// A robot: its actions, and the words for them. Immutable; shared by worlds and threads.
 ///
@@ -17,9 +21,22 @@ use crate::failure::Failure;
 ///
 /// >>> longstep.Domain("household").actions[:2]
 /// ['move-object', 'move-hand']
-#[pyclass(frozen, module = "longstep")]
+#[pyclass(frozen, eq, hash, module = "longstep")]
 pub(crate) struct Domain {
     pub(crate) domain: Arc<domain::Domain>,
+}
+
+/// Domains with the same files are equal.
+impl PartialEq for Domain {
+    fn eq(&self, other: &Self) -> bool {
+        self.domain.hash == other.domain.hash
+    }
+}
+
+impl Hash for Domain {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        self.domain.hash.hash(hasher);
+    }
 }
 
 #[pymethods]
@@ -28,13 +45,13 @@ impl Domain {
     #[new]
     #[pyo3(signature = (name=PathBuf::from("household"), /), text_signature = "(name=\"household\", /)")]
     fn new(py: Python<'_>, name: PathBuf) -> PyResult<Self> {
-        Ok(py.detach(|| Self::load(&name.to_string_lossy()))?)
+        Ok(detach(py, || Self::load(&name.to_string_lossy()))?)
     }
 
     /// Reads a `domain.pddl` without a vocabulary; actions and states have PDDL's own names.
     #[staticmethod]
     fn from_pddl(py: Python<'_>, text: &str) -> PyResult<Self> {
-        let read = py.detach(|| domain::from_pddl("domain.pddl", text).map_err(Failure::from));
+        let read = detach(py, || domain::from_pddl("domain.pddl", text).map_err(Failure::from));
         Ok(Self::from(read?))
     }
 
@@ -111,10 +128,25 @@ impl From<domain::Domain> for Domain {
 }
 
 /// A domain as a caller gives it.
-#[derive(FromPyObject)]
 pub(crate) enum DomainArgument<'py> {
     Loaded(Bound<'py, Domain>),
     Named(PathBuf),
+}
+
+impl<'py> FromPyObject<'_, 'py> for DomainArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match object.cast::<Domain>() {
+            Ok(domain) => Ok(Self::Loaded(domain.to_owned())),
+            Err(_) => object.extract().map(Self::Named).map_err(|_| {
+                let class = class_of(&object);
+                PyTypeError::new_err(format!(
+                    "domain must be a longstep.Domain, a str or an os.PathLike, not {class}"
+                ))
+            }),
+        }
+    }
 }
 
 impl DomainArgument<'_> {
@@ -124,7 +156,7 @@ impl DomainArgument<'_> {
             Self::Loaded(domain) => Ok(Arc::clone(&domain.get().domain)),
             Self::Named(name) => {
                 let name = name.to_string_lossy();
-                Ok(py.detach(|| Domain::load(&name))?.domain)
+                Ok(detach(py, || Domain::load(&name))?.domain)
             }
         }
     }

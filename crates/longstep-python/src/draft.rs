@@ -95,6 +95,11 @@ impl Draft {
         })
     }
 
+    /// Returns the words of the instruction that the plan ignores, as its file has them.
+    pub(crate) fn left_out(&self) -> &[String] {
+        &self.draft.file.not_in_plan
+    }
+
     /// Returns the assessment, which simulates and repairs on demand.
     pub(crate) fn assessment(&self) -> Assessment<'_> {
         let assessment = Assessment::new(&self.world, self.draft.clone(), None);

@@ -1,5 +1,6 @@
 //! Errors of the library as exceptions of Python, with their hints.
 
+use crate::interpreter::attach;
 use longstep_core::diagnostic::Diagnostics;
 use longstep_core::goal::GoalError;
 use longstep_files::{DomainError, TextFileError};
@@ -93,7 +94,7 @@ impl Failure {
 
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
-        Python::attach(|py| {
+        attach(|py| {
             let exception = failure.exception(py);
             // Only a damaged installation lacks the classes.
             exception.unwrap_or_else(|_| PyRuntimeError::new_err(failure.message.clone()))

@@ -4,7 +4,8 @@ use longstep::report::{EditAnswer, ViolationAnswer};
 use pyo3::prelude::*;
 
 /// A violation of a plan.
-#[pyclass(frozen, get_all, module = "longstep")]
+#[derive(PartialEq, Eq, Hash)]
+#[pyclass(frozen, eq, hash, get_all, module = "longstep")]
 pub(crate) struct Violation {
     /// Kind, for example `precondition`.
     kind: String,
@@ -48,7 +49,8 @@ impl Violation {
 }
 
 /// An edit of a repair.
-#[pyclass(frozen, get_all, module = "longstep")]
+#[derive(PartialEq, Eq, Hash)]
+#[pyclass(frozen, eq, hash, get_all, module = "longstep")]
 pub(crate) struct Edit {
     /// `insert`, `drop`, `replace` or `move`.
     kind: String,

@@ -6,14 +6,21 @@
 
 #![forbid(unsafe_code)]
 
+mod active;
 mod answer;
+mod argument;
 mod assess;
+mod beside;
 mod callable;
+mod control;
 mod domain;
 mod draft;
 mod failure;
 mod finding;
+mod interpreter;
 mod json;
+mod notation;
+mod observation;
 mod picture;
 mod plan;
 mod problem;
@@ -24,6 +31,7 @@ mod session;
 mod sim;
 mod source;
 mod step;
+mod stopping;
 mod world;
 
 #[pyo3::pymodule]
@@ -32,6 +40,8 @@ mod _longstep {
     use crate::answer::Answer;
     #[pymodule_export]
     use crate::assess::{repair, solve, verify};
+    #[pymodule_export]
+    use crate::control::Control;
     #[pymodule_export]
     use crate::domain::Domain;
     #[pymodule_export]

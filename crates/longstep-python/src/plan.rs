@@ -1,5 +1,7 @@
 //! Verified plans.
 
+use std::collections::BTreeMap;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use longstep::Goal;
@@ -8,27 +10,44 @@ use longstep::report::Answer as Report;
 use longstep_core::execution::{Aim, plan_hash};
 use longstep_core::plan::{PlanFile, outline};
 use longstep_core::repair::Edit;
+use longstep_core::search;
 use longstep_core::verify::{Purpose, VerifiedPlan};
-use longstep_core::{pddl, search};
 use longstep_picture::plan::Annotations;
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
+use crate::interpreter::detach;
 use crate::json;
+use crate::notation::Notation;
 use crate::picture;
 use crate::step::Step;
 use crate::world::World;
 
 /// A plan that was simulated from its first step to its last without a violation. Immutable; it cannot be constructed, but
-/// comes from an answer or a session.
-#[pyclass(frozen, module = "longstep", sequence)]
+/// comes from an answer or a session. Plans with the same `hash` are equal.
+#[pyclass(frozen, eq, hash, module = "longstep", sequence)]
 pub(crate) struct Plan {
     pub(crate) plan: VerifiedPlan,
     domain: Arc<LoadedDomain>,
     file: PlanFile,
     /// The goal, with identifiers of the environment.
     goal: Vec<String>,
+    purpose: Purpose,
     annotations: Annotations,
+    edits: Vec<Edit>,
+}
+
+/// Plans with the same hash are equal.
+impl PartialEq for Plan {
+    fn eq(&self, other: &Self) -> bool {
+        self.hash() == other.hash()
+    }
+}
+
+impl Hash for Plan {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        Plan::hash(self).hash(hasher);
+    }
 }
 
 #[pymethods]
@@ -59,10 +78,16 @@ impl Plan {
         self.goal.clone()
     }
 
+    /// The words of the instruction that the plan ignores.
+    #[getter]
+    pub(crate) fn left_out(&self) -> Vec<String> {
+        self.file.not_in_plan.clone()
+    }
+
     /// The hash of the steps with all arguments, of the world before them with its rules, and of the goal: the one that an
     /// approval on a server names.
     #[getter]
-    fn hash(&self) -> String {
+    pub(crate) fn hash(&self) -> String {
         plan_hash(&self.plan, &self.goal)
     }
 
@@ -94,8 +119,47 @@ impl Plan {
     }
 
     /// Returns the steps in PDDL, one `(action argument ...)` a line.
-    fn pddl(&self) -> String {
-        pddl::write_plan(self.plan.world(), self.plan.steps())
+    ///
+    /// Raises `Unreadable` for a plan with branches, loops or lanes.
+    fn pddl(&self) -> PyResult<String> {
+        Ok(self.notation().pddl()?)
+    }
+
+    /// Returns the texts of `domain.pddl`, `problem.pddl` and `plan.pddl`, by these names: the input of a validator such as VAL.
+    ///
+    /// `name` is the name of the problem. Raises `Unreadable` for a plan or a goal that PDDL cannot say.
+    #[pyo3(signature = (*, name="task"))]
+    fn pddl_task(&self, py: Python<'_>, name: &str) -> PyResult<BTreeMap<&'static str, String>> {
+        Ok(detach(py, || self.notation().pddl_task(name))?)
+    }
+
+    /// Returns the plan as a behavior tree of BehaviorTree.CPP 4; with `guards`, each step checks its precondition first.
+    ///
+    /// Raises `Unreadable` for a plan that no behavior tree can have.
+    #[pyo3(signature = (*, guards=false))]
+    fn behavior_tree(&self, py: Python<'_>, guards: bool) -> PyResult<String> {
+        Ok(detach(py, || self.notation().behavior_tree(guards))?)
+    }
+
+    /// Returns the plan in the paper's Python notation, with `if` and `while`.
+    fn script(&self) -> String {
+        self.notation().script()
+    }
+
+    /// Returns a flowchart for Mermaid.
+    fn mermaid(&self, py: Python<'_>) -> String {
+        detach(py, || self.notation().mermaid())
+    }
+
+    /// Returns a flowchart for Graphviz.
+    fn dot(&self, py: Python<'_>) -> String {
+        detach(py, || self.notation().dot())
+    }
+
+    /// Returns a picture of the world before the plan beside each one that the plan can end in; the width is in pixels.
+    #[pyo3(signature = (*, width=720.0))]
+    fn scene(&self, py: Python<'_>, width: f64) -> String {
+        detach(py, || self.notation().scene(width, &self.file.instruction_summary))
     }
 
     /// Returns a picture of the steps with their reasons; the width is in pixels.
@@ -125,6 +189,12 @@ impl Plan {
     }
 }
 
+/// Returns words of an instruction in quotation marks.
+pub(crate) fn quoted(words: &[String]) -> String {
+    let words: Vec<String> = words.iter().map(|words| format!("\"{words}\"")).collect();
+    words.join(", ")
+}
+
 impl Plan {
     pub(crate) fn new(domain: &Arc<LoadedDomain>, plan: VerifiedPlan, file: PlanFile) -> Self {
         Self {
@@ -132,7 +202,9 @@ impl Plan {
             domain: Arc::clone(domain),
             file,
             goal: Vec::new(),
+            purpose: Purpose::default(),
             annotations: Annotations::default(),
+            edits: Vec::new(),
         }
     }
 
@@ -142,9 +214,19 @@ impl Plan {
         let world = self.plan.world().clone();
         Self {
             goal: goal.exact(&world),
+            purpose: goal.purpose(&world),
             annotations: self.annotations.with_goal(&world, goal),
             ..self
         }
+    }
+
+    /// Sets the words of the instruction that the plan ignores.
+    pub(crate) fn leaving_out(self, words: &[String]) -> Self {
+        let file = PlanFile {
+            not_in_plan: words.to_vec(),
+            ..self.file
+        };
+        Self { file, ..self }
     }
 
     /// Sets conditions that hold at the end: the goal of a PDDL problem.
@@ -154,7 +236,8 @@ impl Plan {
             ..Purpose::default()
         };
         Self {
-            annotations: self.annotations.with_purpose(purpose),
+            annotations: self.annotations.with_purpose(purpose.clone()),
+            purpose,
             ..self
         }
     }
@@ -162,7 +245,7 @@ impl Plan {
     /// Sets the edits of the repair that the plan comes from.
     pub(crate) fn with_edits(self, edits: &[Edit]) -> Self {
         Self {
-            annotations: self.annotations.with_edits(edits),
+            edits: edits.to_vec(),
             ..self
         }
     }
@@ -189,6 +272,17 @@ impl Plan {
     }
 
     pub(crate) fn svg_of_width(&self, py: Python<'_>, width: f64) -> String {
-        py.detach(|| picture::plan(&self.plan, &self.annotations, width))
+        detach(py, || {
+            let annotations = self.annotations.clone().with_edits(&self.edits);
+            picture::plan(&self.plan, &annotations, width, &self.file.instruction_summary)
+        })
+    }
+
+    fn notation(&self) -> Notation<'_> {
+        Notation {
+            plan: &self.plan,
+            purpose: &self.purpose,
+            annotations: &self.annotations,
+        }
     }
 }

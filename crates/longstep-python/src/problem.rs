@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 
 use crate::domain::Domain;
 use crate::failure::Failure;
+use crate::interpreter::detach;
 use crate::source::Source;
 use crate::world::World;
 
@@ -42,7 +43,7 @@ impl Problem {
     fn new(py: Python<'_>, domain: &Bound<'_, PyAny>, problem: &Bound<'_, PyAny>) -> PyResult<Self> {
         let domain = Source::of(domain, "domain")?;
         let problem = Source::of(problem, "problem")?;
-        Ok(py.detach(|| Self::read(domain, problem))?)
+        Ok(detach(py, || Self::read(domain, problem))?)
     }
 
     /// The name.

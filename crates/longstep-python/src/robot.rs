@@ -1,20 +1,23 @@
 //! A Python object as a robot.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use longstep::domain::Domain as LoadedDomain;
 use longstep_core::environment::{Observation, World as ReadWorld};
+use longstep_core::model::PredicateId;
 use longstep_core::verify::VerifiedPlan;
 use longstep_robot::{Description, Handle, Order, Progress, Robot, RobotError, Scope, StopSwitch};
-use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyException, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
 
+use crate::argument::{class_of, strings};
 use crate::failure::Failure;
-use crate::json;
+use crate::interpreter::attach;
+use crate::observation::{self, Source};
+use crate::stopping::{Raised, Stopping};
 use crate::world::World;
 
 /// Returns the exception for a step that failed and leaves the robot usable.
@@ -23,25 +26,6 @@ pub(crate) fn step_failed(py: Python<'_>, reason: &str) -> PyErr {
     match raise() {
         Ok(exception) => PyErr::from_value(exception),
         Err(_) => PyRuntimeError::new_err(reason.to_owned()),
-    }
-}
-
-/// The first exception of a robot; it ends the run and is raised after it.
-#[derive(Clone, Default)]
-pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
-
-impl Raised {
-    /// Keeps an exception, unless there is one already.
-    pub(crate) fn keep(&self, error: PyErr) {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get_or_insert(error);
-    }
-
-    /// Takes the exception.
-    pub(crate) fn take(&self) -> Option<PyErr> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }
 
@@ -58,15 +42,16 @@ pub(crate) struct PythonRobot {
     orders: u64,
     /// The ends of orders that were not polled yet.
     ended: BTreeMap<Handle, Progress>,
-    halted: Arc<AtomicBool>,
-    is_stopped: bool,
+    /// The world before the plan, with all entities.
+    world: ReadWorld,
+    stopping: Arc<Stopping>,
     raised: Raised,
 }
 
 impl PythonRobot {
     /// Takes a robot. Its attribute `reports`, if it has one, names the predicates that it reports besides states. A method
     /// `begin_plan` says that it counts events anew with each plan.
-    pub(crate) fn new(robot: &Bound<'_, PyAny>, domain: &Arc<LoadedDomain>) -> PyResult<Self> {
+    pub(crate) fn new(robot: &Bound<'_, PyAny>, domain: &Arc<LoadedDomain>, world: &ReadWorld) -> PyResult<Self> {
         for method in ["perform", "observe", "stop"] {
             if !robot.getattr_opt(method)?.is_some_and(|own| own.is_callable()) {
                 let class = robot.get_type().name()?;
@@ -78,18 +63,19 @@ impl PythonRobot {
         let mut description = Description::new(&robot.get_type().name()?.to_string());
         description.observes = true;
         if let Some(reports) = robot.getattr_opt("reports")? {
-            description.reports = reports.extract()?;
+            description.reports = strings(&reports, "the attribute `reports` of a robot")?;
         }
         description.counts_events = robot.hasattr("begin_plan")?;
+        let raised = Raised::default();
         Ok(Self {
             robot: robot.clone().unbind(),
             domain: Arc::clone(domain),
             description,
             orders: 0,
             ended: BTreeMap::new(),
-            halted: Arc::default(),
-            is_stopped: false,
-            raised: Raised::default(),
+            world: world.clone(),
+            stopping: Stopping::new(robot.clone().unbind(), raised.clone()),
+            raised,
         })
     }
 
@@ -98,9 +84,27 @@ impl PythonRobot {
         self.raised.clone()
     }
 
+    /// Returns the stop of the robot, for the end of the run.
+    pub(crate) fn stopping(&self) -> &Arc<Stopping> {
+        &self.stopping
+    }
+
     /// Returns the name of the robot's class.
     pub(crate) fn name(&self) -> &str {
         &self.description.name
+    }
+
+    /// Returns the hint for a robot that reports events and does not count them anew with each plan, if it is one.
+    pub(crate) fn hint_about_events(&self, world: &ReadWorld) -> Option<String> {
+        let domain = world.domain();
+        let is_event = |name: &String| {
+            let mut predicates = (0..domain.predicates.len()).map(PredicateId::new);
+            predicates.any(|id| domain.predicate(id).name == *name && domain.words(id).event)
+        };
+        let event = self.description.reports.iter().find(|name| is_event(name))?;
+        (!self.description.counts_events).then(|| {
+            format!("`{event}` is an event: add a method `begin_plan(world)`, which begins to count events anew")
+        })
     }
 
     /// Checks that the robot senses if the plan does.
@@ -110,7 +114,7 @@ impl PythonRobot {
         let Some(action) = sensing.find(|action| !action.senses.is_empty()) else {
             return Ok(());
         };
-        let senses = Python::attach(|py| self.robot.bind(py).hasattr("sense").unwrap_or(false));
+        let senses = attach(|py| self.robot.bind(py).hasattr("sense").unwrap_or(false));
         if senses {
             return Ok(());
         }
@@ -123,7 +127,7 @@ impl PythonRobot {
     }
 
     fn check(&self) -> Result<(), RobotError> {
-        if self.halted.load(Ordering::SeqCst) {
+        if self.stopping.is_requested() {
             Err(RobotError::Stopped)
         } else {
             Ok(())
@@ -132,17 +136,25 @@ impl PythonRobot {
 
     /// Keeps an exception, stops the robot, and returns the error for the run.
     fn fail(&mut self, error: PyErr) -> RobotError {
-        let reason = error.to_string();
+        let mut reason = error.to_string();
         self.raised.keep(error);
-        drop(self.stop());
+        if let Err(error) = self.stopping.confirm() {
+            reason = format!("{reason}; its `stop` failed: {error}");
+        }
         RobotError::Gone {
             reason,
             messages: String::new(),
         }
     }
 
+    /// Returns true for an exception of a robot that was stopped from another thread meanwhile: it ends the step, and the run
+    /// ends with the reason of the stop. Ctrl-C is none.
+    fn follows_from_stop(&self, error: &PyErr) -> bool {
+        self.stopping.is_requested() && attach(|py| error.is_instance_of::<PyException>(py))
+    }
+
     fn perform(&self, order: &Order) -> PyResult<Progress> {
-        Python::attach(|py| {
+        attach(|py| {
             py.check_signals()?;
             let robot = self.robot.bind(py);
             let words = std::iter::once(&order.action).chain(&order.arguments);
@@ -175,10 +187,13 @@ fn performed(returned: &Bound<'_, PyAny>) -> PyResult<Progress> {
 
 /// Returns the end of a sensing step.
 fn sensed(returned: &Bound<'_, PyAny>, outcomes: &[String]) -> PyResult<Progress> {
-    let text: String = returned.extract()?;
+    let expected = outcomes.join(", ");
+    let text: String = returned.extract().map_err(|_| {
+        let class = class_of(returned);
+        PyTypeError::new_err(format!("`sense` must return one of {expected} as a str, not {class}"))
+    })?;
     let outcome = outcomes.iter().position(|outcome| *outcome == text);
     if outcome.is_none() {
-        let expected = outcomes.join(", ");
         return Err(PyValueError::new_err(format!(
             "`sense` must return one of {expected}, not `{text}`"
         )));
@@ -191,7 +206,10 @@ fn failed(py: Python<'_>, error: PyErr) -> PyResult<Progress> {
     let class = py.import("longstep._errors")?.getattr("StepFailed")?;
     if error.matches(py, class)? {
         return Ok(Progress::Failed {
-            reason: error.value(py).to_string(),
+            reason: match error.value(py).to_string() {
+                empty if empty.is_empty() => format!("{} without a reason", class_of(error.value(py).as_any())),
+                reason => reason,
+            },
         });
     }
     Err(error)
@@ -204,7 +222,17 @@ impl Robot for PythonRobot {
 
     fn start(&mut self, order: &Order) -> Result<Handle, RobotError> {
         self.check()?;
-        let end = self.perform(order).map_err(|error| self.fail(error))?;
+        let end = match self.perform(order) {
+            Ok(end) => end,
+            // The events of the run have it, as the reason why the step failed.
+            Err(error) if self.follows_from_stop(&error) => {
+                return Err(RobotError::Refused {
+                    method: order.action.clone(),
+                    reason: error.to_string(),
+                });
+            }
+            Err(error) => return Err(self.fail(error)),
+        };
         self.orders += 1;
         let handle = Handle::new(self.orders);
         self.ended.insert(handle, end);
@@ -218,38 +246,29 @@ impl Robot for PythonRobot {
 
     fn observe(&mut self, _: &Scope) -> Result<Observation, RobotError> {
         self.check()?;
-        let seen = Python::attach(|py| {
+        let seen = attach(|py| {
             py.check_signals()?;
-            json::text(&self.robot.bind(py).call_method0("observe")?)
+            let seen = self.robot.bind(py).call_method0("observe")?;
+            observation::read(&seen, Source::Robot, &self.world)
         });
-        let text = seen.map_err(|error| self.fail(error))?;
-        serde_json::from_str(&text).map_err(|error| {
-            let form =
-                "`observe` must return {\"states\": {\"<cup>\": [\"on_something(<desk>)\"]}}, as in an environment";
-            self.fail(PyValueError::new_err(format!("{form}: {error}")))
-        })
-    }
-
-    fn stop(&mut self) -> Result<(), RobotError> {
-        self.halted.store(true, Ordering::SeqCst);
-        if std::mem::replace(&mut self.is_stopped, true) {
-            return Ok(());
-        }
-        let stopped = Python::attach(|py| self.robot.bind(py).call_method0("stop").map(|_| ()));
-        stopped.map_err(|error| {
-            let reason = error.to_string();
-            self.raised.keep(error);
-            RobotError::Refused {
-                method: "stop".to_owned(),
-                reason,
+        seen.map_err(|error| {
+            if self.follows_from_stop(&error) {
+                RobotError::Stopped
+            } else {
+                self.fail(error)
             }
         })
     }
 
+    fn stop(&mut self) -> Result<(), RobotError> {
+        self.stopping.confirm().map_err(|reason| RobotError::Refused {
+            method: "stop".to_owned(),
+            reason,
+        })
+    }
+
     fn stop_switch(&self) -> StopSwitch {
-        let halted = Arc::clone(&self.halted);
-        // The driver of the run calls `stop` of the robot, in its own thread.
-        StopSwitch::new(move || halted.store(true, Ordering::SeqCst))
+        self.stopping.switch()
     }
 
     fn begin_plan(&mut self, world: &ReadWorld) {
@@ -258,7 +277,7 @@ impl Robot for PythonRobot {
                 world: world.clone(),
                 domain: Arc::clone(&self.domain),
             };
-            let begun = Python::attach(|py| self.robot.bind(py).call_method1("begin_plan", (world,)).map(|_| ()));
+            let begun = attach(|py| self.robot.bind(py).call_method1("begin_plan", (world,)).map(|_| ()));
             if let Err(error) = begun {
                 self.fail(error);
             }
@@ -267,7 +286,7 @@ impl Robot for PythonRobot {
 
     fn wait(&mut self, limit: Duration) {
         std::thread::sleep(limit);
-        if let Err(error) = Python::attach(|py| py.check_signals()) {
+        if let Err(error) = attach(|py| py.check_signals()) {
             self.fail(error);
         }
     }

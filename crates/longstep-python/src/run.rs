@@ -1,24 +1,32 @@
 //! Runs: a verified plan carried out on a robot, monitored and mended.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
 
-use longstep_core::domain::phrase;
-use longstep_core::execution::{
-    Approval, BeginError, Event, Execution, Proposal, Settings, StepOrder, Stop, Subject, Trust, Unseen, Watch,
-};
-use longstep_core::plan::outline;
+use longstep_core::environment::Observation;
+use longstep_core::execution::{Approval, BeginError, Execution, Settings, Stop, Trust, Watch};
 use longstep_robot::{
-    Driven, Robot as _, RobotError, RunControl, RunHeader, RunLog, Watcher, drive, observed_reports, preflight,
+    Driven, Robot as _, RobotError, RunControl, RunHeader, RunLog, drive, observed_reports, preflight,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use serde_json::Value;
 
+use crate::active::Active;
+use crate::argument::{callable, class_of};
+use crate::beside::{Beside, Callables};
+use crate::control::Control;
 use crate::failure::Failure;
+use crate::interpreter::{Call, detach};
 use crate::json;
 use crate::plan::Plan;
-use crate::robot::{PythonRobot, Raised};
+use crate::robot::PythonRobot;
+use crate::stopping::Raised;
 use crate::world::World;
+
+/// The wait between two looks at the control of a run that is paused.
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// The end of a run. Immutable.
 #[pyclass(frozen, module = "longstep")]
@@ -28,13 +36,17 @@ pub(crate) struct Run {
     is_resumable: bool,
     changes: u32,
     events: String,
+    /// The hash of the plan with which the run began.
+    pub(crate) plan: String,
+    /// The world after the run as far as it was seen, for a session.
+    pub(crate) statements: Observation,
 }
 
 #[pymethods]
 impl Run {
     /// True if the goal is reached in the observed world.
     #[getter]
-    fn is_done(&self) -> bool {
+    pub(crate) fn is_done(&self) -> bool {
         self.stop.is_none()
     }
 
@@ -44,7 +56,8 @@ impl Run {
         self.stop.as_deref()
     }
 
-    /// True if `longstep run --resume` can continue the run from its log.
+    /// True if `longstep run --resume` can continue the run from its log: there is one, and the reason of the stop does not
+    /// speak against the plan.
     #[getter]
     fn is_resumable(&self) -> bool {
         self.is_resumable
@@ -62,7 +75,7 @@ impl Run {
         self.world.clone_ref(py)
     }
 
-    /// The events in order, as the log of a run has them.
+    /// The events in order, as the lines of a log after its first one, without their times.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         json::parse(py, &self.events)
@@ -76,75 +89,6 @@ impl Run {
     }
 }
 
-/// The person and the log beside a run.
-struct Beside {
-    ask: Option<Py<PyAny>>,
-    log: Option<RunLog>,
-    events: Vec<Value>,
-    /// The steps and the edits of the last change.
-    change: (Vec<String>, Vec<String>),
-    raised: Raised,
-}
-
-impl Beside {
-    /// Asks the person; none without an answer.
-    fn ask(&self, kind: &str, text: &str, steps: &[String], edits: &[String]) -> Option<bool> {
-        let ask = self.ask.as_ref()?;
-        let question = json!({"kind": kind, "text": text, "steps": steps, "edits": edits});
-        let answer = Python::attach(|py| {
-            let answer = ask.bind(py).call1((json::object(py, &question)?,))?;
-            answer.extract::<bool>()
-        });
-        answer.map_err(|error| self.raised.keep(error)).ok()
-    }
-}
-
-impl Watcher for Beside {
-    fn record(&mut self, _: &Execution, events: &[Event]) -> Result<(), String> {
-        if let Some(log) = &mut self.log {
-            log.append(events).map_err(|error| error.to_string())?;
-        }
-        for event in events {
-            if let Event::Changed { steps, edits, .. } = event {
-                self.change = (steps.clone(), edits.clone());
-            }
-            self.events
-                .push(serde_json::to_value(event).map_err(|error| error.to_string())?);
-        }
-        Ok(())
-    }
-
-    fn approve(&mut self, execution: &Execution, proposal: &Proposal) -> Option<bool> {
-        match &proposal.subject {
-            Subject::Plan => {
-                let plan = execution.plan();
-                let rest = execution.cursor().rest();
-                let lines = outline(plan.world(), rest.as_ref().map_or(plan.plan(), |rest| &rest.plan)).into_iter();
-                let line = |own: longstep_core::plan::OutlineLine| own.step.map_or(own.text, |_| own.explanation);
-                let steps: Vec<String> = lines.map(line).collect();
-                self.ask("plan", "Go on with this plan?", &steps, &[])
-            }
-            Subject::Change(_) => self.ask("change", "Go on with this change?", &self.change.0, &self.change.1),
-            Subject::Step(order) => {
-                let text = format!("Do this step: {}?", phrase(&order.explanation));
-                self.ask("step", &text, &[], &[])
-            }
-            _ => None,
-        }
-    }
-
-    fn judge(&mut self, _: &Execution, order: &StepOrder) -> Option<bool> {
-        let step = phrase(&order.explanation);
-        let text = format!("This step was under way when the run was interrupted: {step}. Was it done?");
-        self.ask("judge", &text, &[], &[])
-    }
-
-    fn confirm(&mut self, _: &Execution, unseen: &Unseen) -> Option<bool> {
-        let text = format!("Nobody has seen it: {}. Is it so?", unseen.what);
-        self.ask("confirm", &text, &[], &[])
-    }
-}
-
 /// Carries out a verified plan on a robot; every step is compared with what the robot observes.
 ///
 /// The rest of the plan is mended when the world differs, at most `changes` times. `ask` decides about the plan and its
@@ -152,8 +96,12 @@ impl Watcher for Beside {
 /// `"never"`. The end needs facts that were `observed`, or takes the `promised` effects of steps. The robot observes after
 /// `"each-step"`, or `"on-failure"` alone. `log` is a new file for the events.
 ///
-/// An exception of the robot or of `ask`, and Ctrl-C, stop the robot and are raised then; only `StepFailed` is a failed step.
-/// Raises `TypeError` for anything but a verified plan, and `LongstepError` if the robot does not fit, before anything moves.
+/// `control` stops the run, and lets it wait, from other threads. `watch` takes every event as it happens, as a dict.
+///
+/// An exception of the robot, of `ask` or of `watch`, and Ctrl-C, stop the robot and are raised then; only `StepFailed` is a
+/// failed step. An exception of the robot's `stop` is raised with the earlier one, or the reason of the stop, as its context.
+/// Raises `TypeError` for anything but a verified plan, and `LongstepError` if the robot does not fit, or another run uses it,
+/// before anything moves.
 ///
 /// >>> world = longstep.World({"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
 /// ...     "object_states": {"<pen>": "on_something(<desk>)"}})
@@ -162,7 +110,10 @@ impl Watcher for Beside {
 /// >>> run.is_done, run.world.environment()["object_states"]
 /// (True, {'<pen>': 'on_something(<shelf>)'})
 #[pyfunction]
-#[pyo3(signature = (plan, robot, /, *, approve="changes", ask=None, trust="observed", observe="each-step", changes=8, log=None))]
+#[pyo3(signature = (
+    plan, robot, /, *, approve="changes", ask=None, trust="observed", observe="each-step", changes=8, log=None, control=None,
+    watch=None
+))]
 #[allow(clippy::too_many_arguments, reason = "keyword-only options of Python")]
 pub(crate) fn run(
     py: Python<'_>,
@@ -174,60 +125,94 @@ pub(crate) fn run(
     observe: &str,
     changes: u32,
     log: Option<PathBuf>,
+    control: Option<Bound<'_, Control>>,
+    watch: Option<Py<PyAny>>,
 ) -> PyResult<Run> {
+    let _call = Call::begin(py);
     let plan = plan.cast::<Plan>().map_err(|_| {
-        let class = plan
-            .get_type()
-            .name()
-            .map_or_else(|_| "?".to_owned(), |name| name.to_string());
+        let class = class_of(plan);
         PyTypeError::new_err(format!(
             "only a verified longstep.Plan is carried out, not {class}; `verify(...).verified()` returns one"
         ))
     })?;
     let plan = plan.get();
     let settings = settings(approve, trust, observe)?.with_changes(changes);
-    let mut robot = PythonRobot::new(robot, plan.domain())?;
-    let raised = robot.raised();
-    let name = robot.name().to_owned();
-    let done = py.detach(|| -> Result<_, Failure> {
+    let callables = Callables {
+        ask: callable(py, ask, "ask")?,
+        watch: callable(py, watch, "watch")?,
+    };
+    let object = robot;
+    let mut robot = PythonRobot::new(object, plan.domain(), plan.plan.world())?;
+    let control = control.map_or_else(|| Ok(RunControl::default()), |control| control.get().take())?;
+    let _active = Active::begin(object, &control).ok_or_else(|| {
+        Failure::failed("nothing has moved: another run uses this robot")
+            .hint("wait until that run has ended, or stop it with `Control.stop`".to_owned())
+    })?;
+    let (raised, stopping) = (robot.raised(), Arc::clone(robot.stopping()));
+    let is_logged = log.is_some();
+    let done = detach(py, || -> Result<_, Failure> {
         let mut execution = begun(plan, &robot, settings)?;
-        let log = log.map(|path| RunLog::create(&path, &RunHeader::new(&name, plan.origin())));
-        let mut beside = Beside {
-            ask,
-            log: log.transpose().map_err(|error| {
-                Failure::unreadable(error.to_string()).hint("name a new file with `log`".to_owned())
-            })?,
-            events: Vec::new(),
-            change: Default::default(),
-            raised: raised.clone(),
-        };
-        robot.begin_plan(plan.plan.world());
-        let control = RunControl::of(&robot);
-        let driven = drive(&mut execution, &mut robot, &mut beside, &control);
-        Ok((execution, driven, beside.events))
+        let log = log.map(|path| RunLog::create(&path, &RunHeader::new(robot.name(), plan.origin())));
+        let log = log
+            .transpose()
+            .map_err(|error| Failure::unreadable(error.to_string()).hint("name a new file with `log`".to_owned()))?;
+        let mut beside = Beside::new(plan, callables, log, raised.clone());
+        let driven = driven(&mut execution, &mut robot, &mut beside, &control, &raised);
+        Ok((execution, driven, beside.into_events()))
     });
-    if let Some(error) = raised.take() {
+    detach(py, || stopping.end());
+    let (execution, stop, events) = done?;
+    let reason = stop.as_ref().map(|stop| stop.sentence(execution.world()));
+    if let Some(error) = raised.take(py, reason.as_deref())? {
         return Err(error);
     }
-    let (execution, driven, events) = done?;
-    let stop = match driven {
-        Driven::Stopped(stop) => Some(stop),
-        Driven::Done | Driven::Paused => None,
-    };
     Ok(Run {
-        is_resumable: stop.as_ref().is_some_and(Stop::is_resumable),
-        stop: stop.map(|stop| stop.sentence(execution.world())),
+        is_resumable: is_logged && stop.as_ref().is_some_and(Stop::is_resumable),
+        stop: reason,
         changes: execution.changes(),
         world: Py::new(py, plan.world_of(execution.after()))?,
         events: Value::from(events).to_string(),
+        plan: plan.hash(),
+        statements: execution.statements(),
     })
+}
+
+/// Drives an execution to its end, through the pauses of its control. Returns the reason of a stop.
+fn driven(
+    execution: &mut Execution,
+    robot: &mut PythonRobot,
+    beside: &mut Beside,
+    control: &RunControl,
+    raised: &Raised,
+) -> Option<Stop> {
+    // A request that came before the run stops it here, before anything moves.
+    control.stop_request().attach(robot.stop_switch());
+    if !control.is_stop_requested() {
+        robot.begin_plan(execution.world());
+    }
+    loop {
+        match drive(execution, robot, beside, control) {
+            Driven::Paused => {
+                while control.is_pause_requested() && !control.is_stop_requested() {
+                    robot.wait(PAUSE);
+                    // Ctrl-C; it has stopped the robot.
+                    if raised.is_kept() {
+                        control.stop();
+                    }
+                }
+            }
+            ended => return ended.into_stop(),
+        }
+    }
 }
 
 /// Begins the execution of a plan on a robot that understands every step. Nothing has moved when this fails.
 fn begun(plan: &Plan, robot: &PythonRobot, settings: Settings) -> Result<Execution, Failure> {
     let world = plan.plan.world();
-    let reports = observed_reports(robot, world)
-        .map_err(|error| Failure::failed(error.to_string()).hint(error.hint().map(str::to_owned)))?;
+    let reports = observed_reports(robot, world).map_err(|error| {
+        let hint = error.hint().map(str::to_owned);
+        Failure::failed(error.to_string()).hint(hint.or_else(|| robot.hint_about_events(world)))
+    })?;
     let settings = settings.with_reports(reports);
     robot.check_senses(&plan.plan)?;
     let unfit = |error: RobotError| Failure::failed(error.to_string()).hint(error.hint().map(str::to_owned));

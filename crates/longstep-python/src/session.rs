@@ -6,16 +6,22 @@ use jiff::Timestamp;
 use longstep::Planner;
 use longstep::domain::Domain as LoadedDomain;
 use longstep::report::{Answer as Report, Status};
-use longstep::session::{Accepted, Entry, OutOfTurn, Response, RuleError, Session as OwnSession, Settings, Strategy};
+use longstep::session::{
+    Accepted, Entry, ObserveError, OutOfTurn, Proposal, Response, RuleError, Session as OwnSession, Settings, Strategy,
+};
 use longstep_llm::{AdvanceError, ChatModel, Progress, advance};
 use pyo3::exceptions::PyValueError;
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 
 use crate::answer::Answer;
 use crate::assess::{EffortArgument, clock};
-use crate::callable::CallableModel;
+use crate::callable::{Callable, CallableModel};
 use crate::failure::Failure;
-use crate::plan::Plan;
+use crate::interpreter::{Call, detach};
+use crate::observation::{self, Source};
+use crate::plan::{Plan, quoted};
+use crate::run::Run;
 use crate::world::World;
 
 /// Maximum length of an instruction, in characters.
@@ -42,6 +48,8 @@ const INSTRUCTION_LIMIT: usize = 2000;
 #[pyclass(frozen, module = "longstep")]
 pub(crate) struct Session {
     domain: Arc<LoadedDomain>,
+    /// The model, which may refer to this session.
+    callable: Callable,
     state: Mutex<State>,
 }
 
@@ -50,6 +58,15 @@ struct State {
     model: CallableModel,
     /// The lines of the log.
     log: Vec<String>,
+}
+
+/// The answer to the last words.
+struct Outcome {
+    report: Report,
+    /// The plan that was asked for.
+    plan: Option<Plan>,
+    /// The plan that is offered with a question.
+    offer: Option<Plan>,
 }
 
 /// Words of the person for the session.
@@ -70,7 +87,7 @@ impl Session {
     #[allow(clippy::too_many_arguments, reason = "keyword-only options of Python")]
     fn new(
         world: &Bound<'_, World>,
-        model: Py<PyAny>,
+        model: &Bound<'_, PyAny>,
         name: &str,
         context_tokens: Option<u64>,
         temperature: f64,
@@ -88,6 +105,11 @@ impl Session {
                 )));
             }
         };
+        if !(temperature.is_finite() && temperature >= 0.0) {
+            return Err(PyValueError::new_err(format!(
+                "temperature must be a number from 0 on, not {temperature}"
+            )));
+        }
         let effort = effort.map(EffortArgument::effort).transpose()?;
         let settings = Settings::default()
             .with_strategy(strategy)
@@ -95,11 +117,13 @@ impl Session {
             .with_rounds(rounds)
             .with_effort(effort);
         let world = world.get();
-        let model = CallableModel::new(model, name.to_owned(), context_tokens, temperature);
+        let callable = Callable::new(model, "the model")?;
+        let model = CallableModel::new(callable.clone(), name.to_owned(), context_tokens, temperature);
         let planner = Planner::new(Arc::clone(&world.domain)).with_clock(clock());
         let session = planner.session(world.world.clone(), settings, model.facts());
         Ok(Self {
             domain: Arc::clone(&world.domain),
+            callable,
             state: Mutex::new(State {
                 session: session.map_err(|error| Failure::failed(error.to_string()))?,
                 model,
@@ -124,14 +148,18 @@ impl Session {
     }
 
     /// Accepts the plan that waits for a decision, and returns it. The session goes on in the world after it.
-    fn accept(&self) -> PyResult<Plan> {
+    ///
+    /// A plan that is offered with a question (status `consent`) needs `consent=True`, which answers the question with yes: the
+    /// person has seen the question and the plan (`Answer.offer`).
+    #[pyo3(signature = (*, consent=false))]
+    fn accept(&self, consent: bool) -> PyResult<Plan> {
         let mut state = self.state()?;
+        if !consent {
+            check_consent(&state.session)?;
+        }
         // An accepted rule is no plan.
         let before = state.session.accepted().len();
-        let proposed = state.session.proposal().map(|proposal| {
-            let plan = Plan::new(&self.domain, proposal.plan.clone(), proposal.answer.plan.clone());
-            plan.for_goal(proposal.goal.as_ref())
-        });
+        let proposed = state.session.proposal().map(|proposal| self.proposed(proposal));
         state.session.accept().map_err(out_of_turn)?;
         let last = state.session.accepted().get(before);
         let plan = last
@@ -155,6 +183,47 @@ impl Session {
         Ok(self.state()?.session.ended(ending).map_err(out_of_turn)?)
     }
 
+    /// Takes what was seen since the last plan, and returns the differences from what the session expected, as sentences. The
+    /// next instruction begins in the world that was seen.
+    ///
+    /// `seen` is an observation, as a robot's `observe` returns it, or a whole `World`. What it does not list stays as it was
+    /// expected. Raises `LongstepError` while an instruction is in progress.
+    fn observed(&self, seen: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+        let mut state = self.state()?;
+        let statements = match seen.cast::<World>() {
+            Ok(world) if world.get().domain.hash == self.domain.hash => observation::of_world(&world.get().world),
+            Ok(world) => return Err(other_domain(&world.get().domain, &self.domain).into()),
+            Err(_) => observation::read(seen, Source::Argument, state.session.world())?,
+        };
+        let observed = state.session.observed(&statements).map_err(not_observed)?;
+        Ok(observed.changes)
+    }
+
+    /// Records that a robot carried out the first accepted plan that waits for one, and returns the differences of the world
+    /// after the run from what the session expected, as sentences. The next instruction begins in that world.
+    ///
+    /// A plan whose run stopped before its goal still waits. Raises `LongstepError` for the run of another plan.
+    fn carried_out(&self, run: &Bound<'_, Run>) -> PyResult<Vec<String>> {
+        let run = run.get();
+        let mut state = self.state()?;
+        let number = state.session.pending().next();
+        let waits = number.and_then(|number| Some((number, state.session.accepted().get(number)?)));
+        let Some((number, accepted)) = waits else {
+            return Err(Failure::failed("no accepted plan waits for a robot")
+                .hint("`Session.observed` takes what was seen".to_owned())
+                .into());
+        };
+        if self.plan_of(&state.session, number, accepted).hash() != run.plan {
+            return Err(
+                Failure::failed("the run carried out another plan than the accepted one that comes next")
+                    .hint("`Session.observed(run.world)` takes the world after it".to_owned())
+                    .into(),
+            );
+        }
+        let observed = state.session.carried_out(number, run.is_done(), &run.statements);
+        Ok(observed.map_err(not_observed)?.changes)
+    }
+
     /// Puts a rule in force for all later plans: `never GOAL`, `always GOAL` or `untouched(NAME)`.
     fn add_rule(&self, text: &str) -> PyResult<()> {
         Ok(self.state()?.session.add_rule(text).map_err(rule_failure)?)
@@ -174,6 +243,9 @@ impl Session {
     }
 
     /// The world in which the next instruction begins.
+    ///
+    /// With the status `endings` it is still the world before the accepted plan, because nobody knows yet which of its endings
+    /// occurred: `Plan.endings` has those worlds, and `ended` chooses one.
     #[getter]
     fn world(&self) -> PyResult<World> {
         Ok(World {
@@ -183,6 +255,10 @@ impl Session {
     }
 
     /// The state: `ready`, `question`, `plan`, `consent`, `no_plan` or `endings`.
+    ///
+    /// `consent`: a plan is offered with a question (`Answer.offer`, `Answer.question`), because it leaves out a part of the
+    /// instruction, or because the model asks about it. `accept(consent=True)` answers yes; `feedback` and `cancel` are the
+    /// other ways on.
     #[getter]
     fn status(&self) -> PyResult<&'static str> {
         Ok(match self.state()?.session.response() {
@@ -231,6 +307,14 @@ impl Session {
         Ok(state.log.concat())
     }
 
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.callable.traverse(&visit)
+    }
+
+    fn __clear__(&self) {
+        self.callable.clear();
+    }
+
     fn __repr__(&self) -> String {
         match self.state() {
             Ok(state) => format!(
@@ -248,14 +332,16 @@ impl Session {
     /// for itself.
     fn state(&self) -> Result<MutexGuard<'_, State>, Failure> {
         self.state.try_lock().map_err(|_| {
-            Failure::failed("the session is at work").hint("wait for the call of the other thread".to_owned())
+            Failure::failed("the session is at work: another call has not returned yet")
+                .hint("call it again after that; a model cannot use the session that calls it".to_owned())
         })
     }
 
     /// Gives words to the session, and lets the model work until it is the person's turn.
     fn say(&self, py: Python<'_>, words: &Words, text: &str) -> PyResult<Answer> {
         let text = checked(text)?;
-        let (report, plan) = py.detach(|| {
+        let _call = Call::begin(py);
+        let Outcome { report, plan, offer } = detach(py, || {
             let mut state = self.state()?;
             let State { session, model, .. } = &mut *state;
             let taken = match words {
@@ -271,24 +357,30 @@ impl Session {
             ended.map_err(advance_failure)?;
             Ok::<_, PyErr>(self.outcome(session)?)
         })?;
-        Answer::new(py, report, plan)
+        Answer::new(py, report, plan)?.offering(py, offer)
     }
 
     /// Returns the answer to the last words, with the plan that waits for a decision.
-    fn outcome(&self, session: &OwnSession) -> Result<(Report, Option<Plan>), Failure> {
+    fn outcome(&self, session: &OwnSession) -> Result<Outcome, Failure> {
         let report = session.report().ok_or_else(|| match session.failure() {
             Some(failure) => {
                 Failure::failed(failure.to_string()).hint("rephrase the instruction, or use another model".to_owned())
             }
             None => Failure::failed("the session ended early"),
         })?;
+        let proposed = session.proposal().map(|proposal| self.proposed(proposal));
         // A plan that is offered with a question is no answer to what was asked for until the person agrees.
-        let proposal = session.proposal().filter(|_| report.status == Status::Verified);
-        let plan = proposal.map(|proposal| {
-            let plan = Plan::new(&self.domain, proposal.plan.clone(), report.plan.clone());
-            plan.for_goal(proposal.goal.as_ref())
-        });
-        Ok((report, plan))
+        let (plan, offer) = match report.status {
+            Status::Verified => (proposed, None),
+            _ => (None, proposed),
+        };
+        Ok(Outcome { report, plan, offer })
+    }
+
+    /// Returns the plan of a proposal.
+    fn proposed(&self, proposal: &Proposal) -> Plan {
+        let plan = Plan::new(&self.domain, proposal.plan.clone(), proposal.answer.plan.clone());
+        plan.for_goal(proposal.goal.as_ref())
     }
 
     fn plan_of(&self, session: &OwnSession, number: usize, accepted: &Accepted) -> Plan {
@@ -313,8 +405,41 @@ fn checked(text: &str) -> Result<&str, Failure> {
     Ok(words)
 }
 
+/// Refuses a plan whose question nobody has answered.
+fn check_consent(session: &OwnSession) -> Result<(), Failure> {
+    let Response::Consent(proposal) = session.response() else {
+        return Ok(());
+    };
+    let question = proposal.question.as_deref().unwrap_or_default();
+    let unsaid = proposal.answer.plan.not_in_plan.iter();
+    let unsaid: Vec<String> = unsaid.filter(|words| !question.contains(*words)).cloned().collect();
+    let left_out = match &unsaid[..] {
+        [] => String::new(),
+        words => format!(" The plan leaves out {}.", quoted(words)),
+    };
+    Err(Failure::failed(format!(
+        "the plan waits for an answer to its question: {question}{left_out}"
+    ))
+    .hint("show the person `answer.offer` and the question, then call `accept(consent=True)`".to_owned()))
+}
+
 fn out_of_turn(error: OutOfTurn) -> Failure {
     Failure::failed(error.to_string()).hint("`Session.status` says what fits".to_owned())
+}
+
+fn not_observed(error: ObserveError) -> Failure {
+    match error {
+        ObserveError::OutOfTurn(error) => out_of_turn(error),
+        error => Failure::unreadable(error.to_string()),
+    }
+}
+
+/// Returns the failure for a world of another domain.
+fn other_domain(other: &LoadedDomain, own: &LoadedDomain) -> Failure {
+    Failure::unreadable(format!(
+        "this world is of the domain `{}`, and the session of the domain `{}`",
+        other.name, own.name
+    ))
 }
 
 fn rule_failure(error: RuleError) -> Failure {

@@ -1,12 +1,13 @@
 //! Steps of plans.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use longstep::report::StepAnswer;
 use pyo3::prelude::*;
 
 /// A step of a plan.
-#[pyclass(frozen, get_all, module = "longstep")]
+#[derive(PartialEq, Eq, Hash)]
+#[pyclass(frozen, eq, hash, get_all, module = "longstep")]
 pub(crate) struct Step {
     /// Index in the plan, from 0.
     index: usize,
@@ -15,7 +16,7 @@ pub(crate) struct Step {
     /// Arguments that the call shows.
     arguments: Vec<String>,
     /// Arguments that the call hides, by the name of the parameter.
-    implicit: HashMap<String, String>,
+    implicit: BTreeMap<String, String>,
     /// The hand, arm or robot; none if the domain has only one or the step takes several.
     arm: Option<String>,
     /// Description of the step.

@@ -10,8 +10,10 @@ use longstep_picture::SvgOptions;
 use longstep_picture::scene::{self, Changes, Scene};
 use pyo3::prelude::*;
 
+use crate::argument;
 use crate::domain::{Domain, DomainArgument};
 use crate::failure::Failure;
+use crate::interpreter::detach;
 use crate::json;
 use crate::picture;
 use crate::rule::with_rules;
@@ -48,15 +50,15 @@ impl World {
         py: Python<'_>,
         environment: &Bound<'_, PyAny>,
         domain: Option<DomainArgument<'_>>,
-        rules: Option<Vec<String>>,
+        rules: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let source = Source::of(environment, "environment")?;
-        let rules = rules.unwrap_or_default();
+        let rules = argument::rules(rules)?;
         let domain = match domain {
             Some(domain) => domain.domain(py)?,
-            None => py.detach(|| Domain::load("household"))?.domain,
+            None => detach(py, || Domain::load("household"))?.domain,
         };
-        Ok(py.detach(|| Self::read(source.read("environment")?, domain, &rules))?)
+        Ok(detach(py, || Self::read(source.read("environment")?, domain, &rules))?)
     }
 
     /// The domain.
@@ -102,8 +104,9 @@ impl World {
     }
 
     /// Returns the world with further rules in force.
-    fn with_rules(&self, py: Python<'_>, rules: Vec<String>) -> PyResult<Self> {
-        let world = py.detach(|| with_rules(self.world.clone(), &rules))?;
+    fn with_rules(&self, py: Python<'_>, rules: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let rules = argument::rules(Some(rules))?;
+        let world = detach(py, || with_rules(self.world.clone(), &rules))?;
         Ok(self.of(world))
     }
 

@@ -27,9 +27,9 @@ def desk() -> longstep.World:
     return longstep.World(DESK)
 
 
-def reply(goal: str = "", question: str = "") -> str:
-    """The reply of a model that names a goal or asks."""
-    return json.dumps({"goal": goal, "left_out": [], "question": question})
+def reply(goal: str = "", question: str = "", left_out: tuple[str, ...] = ()) -> str:
+    """The reply of a model that names a goal, or asks; with the words that its goal does not say."""
+    return json.dumps({"goal": goal, "left_out": list(left_out), "question": question})
 
 
 class Recorder:

@@ -56,6 +56,11 @@ class Clients(unittest.TestCase):
         self.addCleanup(self.server.shutdown)
         self.client = longstep.Client(f"http://127.0.0.1:{self.server.server_address[1]}", token="secret", user="ada")
 
+    def test_a_name_that_no_header_can_have_is_refused(self) -> None:
+        for user in ("Jürgen", "梅子", "ada\nx", "", "  "):
+            with self.assertRaisesRegex(ValueError, "printable ASCII"):
+                longstep.Client("http://127.0.0.1:1", token="secret", user=user)
+
     def test_requests_name_the_token_the_person_and_the_body(self) -> None:
         got: Any = self.client.instruct("a/b", "Put the pen away")
         self.assertEqual(got["path"], "/api/sessions/a%2Fb/instruct")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import longstep
-from scenes import DESK, ROOT, desk
+from scenes import DESK, PANTRY, ROOT, desk
 
 
 def call(*steps: str) -> dict[str, Any]:
@@ -135,7 +135,7 @@ class Answers(unittest.TestCase):
         cases: list[Callable[[], object]] = [
             lambda: longstep.verify("no plan at all", desk()),
             lambda: longstep.solve(desk(), "put(pencil, shelf)"),
-            lambda: longstep.solve(desk(), "put(pen, shelf)", effort="huge"),  # type: ignore[arg-type]
+            lambda: longstep.solve(desk(), "put(pen, shelf)", effort=cast(Any, "huge")),
             lambda: longstep.verify(ROOT / "no such file.json", desk()),
             lambda: longstep.World("{"),
         ]
@@ -150,6 +150,38 @@ class Answers(unittest.TestCase):
         with self.assertRaises(longstep.Unreadable) as raised:
             longstep.verify(plan, desk())
         self.assertIn("virtualhome", str(raised.exception))
+
+    def test_a_plan_that_branches_has_no_form_in_pddl(self) -> None:
+        world = longstep.World(PANTRY, domain="household-checks")
+        plan = longstep.solve(world, "if expired(milk) then put(milk, trash bin) else put(milk, fridge)").verified()
+        for write in (plan.pddl, plan.pddl_task):
+            with self.assertRaisesRegex(longstep.Unreadable, "branches, loops or lanes") as raised:
+                cast(Any, write)()
+            self.assertIn("behavior_tree()", cast(str, raised.exception.hint))
+        self.assertIn("if ", plan.script())
+        for text in (plan.behavior_tree(guards=True), plan.scene()):
+            xml.etree.ElementTree.fromstring(text)
+        self.assertNotEqual(plan.behavior_tree(guards=True), plan.behavior_tree())
+
+    def test_the_other_notations_of_a_plan(self) -> None:
+        plan = longstep.solve(desk(), "put(pen, shelf)").verified()
+        files = plan.pddl_task(name="errand")
+        self.assertEqual(set(files), {"domain.pddl", "problem.pddl", "plan.pddl"})
+        self.assertEqual(files["plan.pddl"], plan.pddl())
+        self.assertIn("(problem errand)", files["problem.pddl"])
+        problem = longstep.Problem(files["domain.pddl"], files["problem.pddl"])
+        self.assertTrue(longstep.verify(files["plan.pddl"], problem).is_verified)
+        self.assertTrue(longstep.verify(plan.script(), desk()).is_verified)
+        self.assertTrue(plan.mermaid().startswith("flowchart"))
+        self.assertTrue(plan.dot().startswith("digraph"))
+        xml.etree.ElementTree.fromstring(plan.behavior_tree())
+        self.assertNotEqual(plan.scene(width=400), plan.scene(width=900))
+
+    def test_a_task_of_a_problem_has_its_goal(self) -> None:
+        problem = longstep.Problem(Problems.DOMAIN, Problems.PROBLEM)
+        files = longstep.solve(problem).verified().pddl_task()
+        again = longstep.Problem(files["domain.pddl"], files["problem.pddl"])
+        self.assertEqual(longstep.solve(again).verified().pddl(), "(light porch)\n")
 
     def test_pictures_are_well_formed_and_escaped(self) -> None:
         world = desk()
@@ -188,9 +220,9 @@ class Problems(unittest.TestCase):
     def test_goals_beside_a_problem_are_refused(self) -> None:
         problem = longstep.Problem(self.DOMAIN, self.PROBLEM)
         with self.assertRaises(TypeError):
-            longstep.solve(problem, "lit(hall)")
+            longstep.solve(problem, cast(Any, "lit(hall)"))
         with self.assertRaises(TypeError):
-            longstep.solve(desk())
+            cast(Any, longstep.solve)(desk())
         with self.assertRaises(longstep.Unreadable):
             longstep.verify("(light porch)", problem, goal="lit(hall)")
 

@@ -11,10 +11,11 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, cast
 
 import longstep
-from scenes import PANTRY, Recorder, desk
+from scenes import PANTRY, Recorder, desk, reply
 
 GOAL = "put(pen, shelf)"
 
@@ -70,6 +71,33 @@ class Runs(unittest.TestCase):
             self.assertEqual(run.is_done, done)
             self.assertEqual((asked[0]["kind"], len(asked[0]["steps"])), ("plan", 6))
             self.assertEqual(bool(robot.calls), done)
+
+    def asked(self, plan: longstep.Plan) -> longstep.RunQuestion:
+        """Returns the only question of a run to a person who says no."""
+        asked: list[longstep.RunQuestion] = []
+
+        def ask(question: longstep.RunQuestion) -> bool:
+            asked.append(question)
+            return False
+
+        longstep.run(plan, Recorder(self.world), ask=ask)
+        self.assertEqual(len(asked), 1)
+        return asked[0]
+
+    def test_a_person_reads_the_words_that_the_plan_leaves_out(self) -> None:
+        words = "but only if Anna is not there"
+        session = longstep.Session(self.world, lambda _: reply(GOAL, left_out=(words,)))
+        session.instruct(f"Put the pen on the shelf, {words}")
+        accepted = session.accept(consent=True)
+        saved = longstep.verify(accepted.json(), self.world).verified()
+        for plan in (accepted, saved):
+            asked = self.asked(plan)
+            self.assertEqual(asked["left_out"], plan.left_out)
+            self.assertTrue(any("Anna" in own for own in plan.left_out), plan.left_out)
+            for own in plan.left_out:
+                self.assertIn(own, asked["text"])
+        asked = self.asked(self.plan)
+        self.assertEqual((asked["left_out"], asked["text"]), ([], "Go on with this plan?"))
 
     def test_nothing_moves_without_anybody_to_approve(self) -> None:
         robot = Recorder(self.world)
@@ -159,14 +187,36 @@ except KeyboardInterrupt:
         self.assertEqual(robot.stops, 1)
 
     def test_an_observation_in_another_form_stops_the_robot(self) -> None:
-        class Blind(Recorder):
-            def observe(self) -> longstep.Observation:
-                return cast(longstep.Observation, {"seen": []})
+        states = {"<pen>": ["on_something(<desk>)"]}
+        cases: list[tuple[object, type[Exception], str]] = [
+            ({"seen": []}, ValueError, "`observe` must return .*`states` is missing"),
+            ({}, ValueError, "`observe` must return .*`states` is missing"),
+            ([states], TypeError, "`observe` must return .* not list"),
+            ([], TypeError, "`observe` must return .* not list"),
+            (None, TypeError, "`observe` must return .* not NoneType"),
+            ({"states": [states]}, TypeError, "`states` must be a dict, not list"),
+            ({"states": {"<pen>": 3}}, ValueError, "`observe` must return"),
+            ({"states": {"<pen>": {1}}}, TypeError, "set is no data"),
+            ({"states": {"pen": ["on_something(<desk>)"]}}, ValueError, "`observe` names .*`pen` .did you mean `<pen>`"),
+        ]
+        for seen, error, message in cases:
+            class Blind(Recorder):
+                def observe(self, seen: object = seen) -> longstep.Observation:
+                    return cast(longstep.Observation, seen)
 
-        robot = Blind(self.world)
-        with self.assertRaisesRegex(ValueError, "states"):
-            longstep.run(self.plan, robot, approve="never")
-        self.assertEqual((robot.calls, robot.stops), ([], 1))
+            robot = Blind(self.world)
+            with self.subTest(seen), self.assertRaisesRegex(error, message):
+                longstep.run(self.plan, robot, approve="never")
+            self.assertEqual((robot.calls, robot.stops), ([], 1))
+
+    def test_a_robot_may_see_more_than_the_world_of_the_plan_has(self) -> None:
+        class Wide(Recorder):
+            def observe(self) -> longstep.Observation:
+                seen = super().observe()
+                states = MappingProxyType({**seen["states"], "<cat>": ("on_something(<desk>)",)})
+                return {**seen, "states": states}
+
+        self.assertTrue(longstep.run(self.plan, Wide(self.world), approve="never").is_done)
 
     def test_a_plan_that_senses_needs_a_robot_that_does(self) -> None:
         world = longstep.World(PANTRY, domain="household-checks")

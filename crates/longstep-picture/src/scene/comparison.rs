@@ -1,5 +1,8 @@
 //! Scenes side by side: one, and those that it may become.
 
+use longstep_core::environment::fact_text;
+use longstep_core::verify::{Ending, VerifiedPlan};
+
 use super::change::Changes;
 use super::draw::Drawing;
 use super::layout::{GAP, Layout, NAME, needs_captions};
@@ -14,6 +17,34 @@ const LEAST: f64 = 240.0;
 
 /// Lines of a heading.
 const HEADING_LINES: usize = 3;
+
+/// Draws the world before a plan beside each one that the plan can end in.
+///
+/// ```
+/// use longstep_core::{domain, environment, plan, verify::check_file};
+/// use longstep_picture::{SvgOptions, scene};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let text = r#"{"assets": ["<desk>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+/// let world = environment::parse(&household, "env.json", text).unwrap();
+/// let draft = plan::read(r#"{"task_sequence": ["move_hand()", "grasp_object()", "release_object()"], "object_name": "<pen>"}"#).unwrap();
+/// let plan = check_file(&world, &draft.file).unwrap().into_verified().unwrap();
+/// let svg = scene::before_and_after(&plan, &SvgOptions::new(900.0));
+/// assert!(svg.contains("Before the plan") && svg.contains("After the plan"));
+/// ```
+pub fn before_and_after(plan: &VerifiedPlan, options: &SvgOptions) -> String {
+    let world = plan.world();
+    let after = |ending: &Ending| {
+        let outcomes: Vec<String> = ending.when.iter().map(|fact| fact_text(world, *fact, true)).collect();
+        let heading = match outcomes.as_slice() {
+            [] => "After the plan".to_owned(),
+            outcomes => format!("After the plan, if {}", outcomes.join(" and ")),
+        };
+        (heading, Scene::of(world, &ending.after))
+    };
+    let afters: Vec<(String, Scene)> = plan.endings().iter().map(after).collect();
+    let before = Scene::of(world, &world.state);
+    comparison(("Before the plan", &before), &afters, options)
+}
 
 /// Draws a scene, and beside it each of those that it may become, with a heading and its differences marked as by
 /// [`svg`](super::svg()). Two scenes have room beside each other, unless the picture is narrow.

@@ -1,7 +1,7 @@
 //! The scene of a state as nested boxes: every entity is a box within the box of its place.
 //!
 //! [`Scene::of`] finds the places from the words and effects of the domain, [`Scene::difference`] compares two states, [`svg`] draws
-//! one, and [`comparison`] several side by side.
+//! one, [`comparison`] several side by side, and [`before_and_after`] the worlds around a plan.
 
 mod change;
 mod comparison;
@@ -15,7 +15,7 @@ mod wording;
 
 pub use change::{Changes, Moved, StateChange};
 pub(crate) use change::{SceneMoment, changes_between};
-pub use comparison::comparison;
+pub use comparison::{before_and_after, comparison};
 pub use draw::svg;
 pub(crate) use placement::Placement;
 pub use schema::Relation;

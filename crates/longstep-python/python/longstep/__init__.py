@@ -15,6 +15,7 @@ from longstep._client import Client, RunView, ServerError, SessionView
 from longstep._errors import GaveUp, LongstepError, NotValid, Question, StepFailed, Unreadable, Unsolvable
 from longstep._longstep import (
     Answer,
+    Control,
     Domain,
     Edit,
     Plan,
@@ -45,6 +46,7 @@ from longstep._types import (
 __all__ = [
     "Answer",
     "Client",
+    "Control",
     "Domain",
     "Edit",
     "Environment",

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal, TypedDict, cast
 
 from longstep._errors import LongstepError
-from longstep._types import Environment, RunQuestion
+from longstep._types import Environment
 
 __all__ = ["Client", "RunView", "ServerError", "SessionView"]
 
@@ -66,8 +66,12 @@ class SessionView(TypedDict):
     environment: Environment
 
 
-class _QuestionView(RunQuestion):
+class _QuestionView(TypedDict):
     id: str
+    kind: Literal["plan", "change", "step", "judge", "confirm"]
+    text: str
+    steps: list[str]
+    edits: list[str]
 
 
 class EndView(TypedDict):
@@ -128,6 +132,8 @@ class Client:
         is_here = parts.hostname in ("127.0.0.1", "::1", "localhost")
         self._headers = {"Content-Type": "application/json", "Authorization": f"Bearer {token or _found_token(is_here)}"}
         if user is not None:
+            if not (user.isascii() and user.isprintable() and user.strip()):
+                raise ValueError(f"the name of a person goes into a header of HTTP: printable ASCII characters, not {user!r}")
             self._headers["Longstep-User"] = user
         # A redirection would carry the token elsewhere, and a proxy would see it on its way to this machine.
         handlers: list[urllib.request.BaseHandler] = [_NoRedirect()]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Protocol, TypedDict
 
 __all__ = [
@@ -20,15 +21,15 @@ __all__ = [
 class Environment(TypedDict, total=False):
     """An environment: entities by identifier (`"<cup>"`), and their states (`"on_something(<desk>)"`)."""
 
-    assets: list[str]
-    asset_states: dict[str, str | list[str]]
-    objects: list[str]
-    object_states: dict[str, str | list[str]]
-    asset_properties: dict[str, str | list[str]]
-    object_properties: dict[str, str | list[str]]
-    facts: list[str]
-    names: dict[str, str]
-    types: dict[str, str]
+    assets: Sequence[str]
+    asset_states: Mapping[str, str | Sequence[str]]
+    objects: Sequence[str]
+    object_states: Mapping[str, str | Sequence[str]]
+    asset_properties: Mapping[str, str | Sequence[str]]
+    object_properties: Mapping[str, str | Sequence[str]]
+    facts: Sequence[str]
+    names: Mapping[str, str]
+    types: Mapping[str, str]
     speaker: str
     robot: str
 
@@ -68,17 +69,19 @@ class Model(Protocol):
 
 
 class _ObservationBase(TypedDict):
-    states: dict[str, str | list[str]]
+    states: Mapping[str, str | Sequence[str]]
 
 
 class Observation(_ObservationBase, total=False):
     """What a robot sees.
 
     `states` has all states of each entity that was seen, in the words of an environment; an entity that is left out was not
-    seen. `facts` has the statements without a subject, and all facts of the predicates in the robot's `reports`.
+    seen. `facts` has the statements without a subject, and all facts of the predicates in the robot's `reports`. A robot may
+    see entities that the world of the plan does not have: they are ignored. A name without its brackets (`"juice"` for
+    `"<juice>"`) is an error.
     """
 
-    facts: list[str] | None
+    facts: Sequence[str] | None
 
 
 class Robot(Protocol):
@@ -101,7 +104,10 @@ class Robot(Protocol):
         ...
 
     def stop(self) -> None:
-        """Stops the robot at once."""
+        """Stops the robot at once.
+
+        A run calls it at most once: in its own thread, or in the thread that calls `Control.stop`, also while `perform` is at work.
+        """
         ...
 
 
@@ -114,9 +120,14 @@ class SensingRobot(Robot, Protocol):
 
 
 class RunQuestion(TypedDict):
-    """A question of a run to a person."""
+    """A question of a run to a person.
+
+    `steps` are those of the plan or of its changed rest, `edits` the changes. `left_out` has the words of the instruction that
+    the plan ignores, in a question about the plan.
+    """
 
     kind: Literal["plan", "change", "step", "judge", "confirm"]
     text: str
     steps: list[str]
     edits: list[str]
+    left_out: list[str]

@@ -7,6 +7,8 @@ mod mishap;
 mod options;
 mod random;
 mod store;
+#[cfg(test)]
+mod tests;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -165,8 +167,21 @@ impl Sim {
                 .ok_or_else(|| invalid(format!("no entity `{name}`")))
         };
         let arguments: Vec<EntityId> = order.arguments.iter().map(entity).collect::<Result<_, _>>()?;
-        if arguments.len() != domain.action(action).parameters.len() {
-            return Err(invalid("the wrong number of arguments".to_owned()));
+        let parameters = &domain.action(action).parameters;
+        if arguments.len() != parameters.len() {
+            return Err(invalid(format!(
+                "{} arguments where `{}` takes {}",
+                arguments.len(),
+                order.action,
+                parameters.len()
+            )));
+        }
+        for (argument, parameter) in arguments.iter().zip(parameters) {
+            if !self.world.is_of_kind(*argument, parameter.kind) {
+                let (name, kind) = (self.world.entity(*argument), domain.types.name(parameter.kind));
+                let reason = format!("`{}` is no `{kind}`, which `{}` takes", name.identifier, order.action);
+                return Err(invalid(reason));
+            }
         }
         Ok(Step {
             action,

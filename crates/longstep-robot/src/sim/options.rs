@@ -33,7 +33,7 @@ impl Default for SimOptions {
         Self {
             seed: 0,
             faults: 0,
-            horizon: 12,
+            horizon: Self::HORIZON,
             kinds: Vec::new(),
             ticks: 1,
             pace: Duration::ZERO,
@@ -66,6 +66,9 @@ impl FromStr for SimOptions {
 }
 
 impl SimOptions {
+    /// The number of orders within which mishaps happen, unless [`horizon`](Self::horizon) says another one.
+    pub const HORIZON: u32 = 12;
+
     fn set(&mut self, part: &str) -> Option<()> {
         let (name, value) = part.split_once('=')?;
         let number = |low: u32, high: u32| value.parse().ok().filter(|number| (low..=high).contains(number));
