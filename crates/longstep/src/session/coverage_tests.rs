@@ -82,6 +82,29 @@ fn session_asks_for_consent_if_an_omission_changes_the_plan() {
 }
 
 #[test]
+fn session_asks_for_consent_if_words_of_an_answer_are_left_out() {
+    let mut session = session(ConstraintKind::JsonSchema, Settings::default());
+    let asks = r#"{"goal": "", "left_out": [], "question": "What should go there?"}"#;
+    play(&mut session, "Put something on the shelf", &[asks]);
+    assert!(
+        matches!(session.response(), Response::Question(_)),
+        "{:?}",
+        session.response()
+    );
+    session.answer("the pen, for ten minutes").unwrap();
+    session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+    let answers =
+        r#"{"goal": "put(pen, shelf)", "left_out": [{"text": "for ten minutes", "kind": "amount"}], "question": ""}"#;
+    session.supply(&reply(answers), 1.0).unwrap();
+    assert_eq!(
+        question(&session),
+        "I cannot represent \"for ten minutes\"; the plan ignores it. Go on?"
+    );
+    let events = session.take_events();
+    check_log(&mut session, &events);
+}
+
+#[test]
 fn session_notes_an_omission_that_does_not_change_the_plan() {
     let mut session = session(ConstraintKind::Grammar, Settings::default());
     let answer = "put(pen, shelf) | left out manner: quietly | left out time: by noon";

@@ -2,7 +2,7 @@
 
 use super::pending::{Asking, What};
 use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
-use crate::coverage::Coverage;
+use crate::coverage::{Coverage, LeftOut};
 use crate::dialogue::{Dialogue, DialogueError, Prepared, PromptError, Reply, Round, TokenCounter, plain_line};
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
@@ -152,7 +152,8 @@ impl Session {
             let note = format!("\"{}\" was taken for {}", spelled.pronoun, names.join(" and "));
             answer.assumptions.push(note);
         }
-        let coverage = Coverage::new(world, &turn.text(), &goal, &meant.left_out, turn.rounds.is_empty());
+        let said = turn.said(&meant.left_out);
+        let coverage = Coverage::new(world, &said, &goal, &meant.left_out, turn.rounds.is_empty());
         answer.set_coverage(&goal, &coverage);
         turn.price(&mut answer);
         let Some(plan) = solution.plan else {
@@ -222,9 +223,21 @@ fn rule_question(world: &World, goal: &Goal) -> String {
 }
 
 impl Turn {
-    /// Returns the instruction as one line, which the parts that the goal does not say refer to.
-    fn text(&self) -> String {
-        plain_line(&self.instruction)
+    /// Returns the instruction as one line, which the parts that the goal does not say refer to; and what the person said after
+    /// it if they are in that.
+    fn said(&self, left_out: &[LeftOut]) -> String {
+        let mut said = plain_line(&self.instruction);
+        for round in &self.rounds {
+            let words = plain_line(&round.message);
+            let is_there = |own: &LeftOut| {
+                let text = own.text.trim();
+                !text.is_empty() && words.contains(text) && !said.contains(text)
+            };
+            if left_out.iter().any(is_there) {
+                said = format!("{said} / {words}");
+            }
+        }
+        said
     }
 
     /// Adds the readings, the token counts and the model time of the instruction to an answer.
