@@ -45,7 +45,7 @@ pub struct Environment {
     /// Observation without a subject: facts without arguments, and numbers of functions without arguments.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facts: Option<Vec<String>>,
-    /// Everyday names of entities, by identifier.
+    /// Everyday names of entities, by identifier: up to 60 letters, digits, blanks, hyphens, apostrophes, dots and underscores.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub names: Option<IndexMap<String, String>>,
     /// Types of entities, by identifier, where they are more precise than the type of the list.
