@@ -22,7 +22,7 @@ pub use load::{Files, domain_name, load};
 #[cfg(feature = "schema")]
 pub use load::{cases_schema, schema};
 pub use reachable::{GoalFindings, Settled, Unreached};
-pub use shipped::{shipped, shipped_names};
+pub use shipped::{load_shipped, shipped, shipped_names};
 
 /// A suite of test cases for one domain.
 #[derive(Debug, Clone)]
@@ -109,9 +109,8 @@ impl Suite {
     ///
     /// ```
     /// use longstep_eval::suite;
-    /// let files = suite::shipped("two-arms").unwrap();
-    /// let domain = longstep::domain::shipped(&suite::domain_name(&files).unwrap()).unwrap().unwrap();
-    /// let plans = suite::load(&files, &domain).unwrap().plans().unwrap();
+    /// let (_, suite) = suite::load_shipped("two-arms").unwrap().unwrap();
+    /// let plans = suite.plans().unwrap();
     /// assert!(!plans.is_empty());
     /// ```
     ///

@@ -3,18 +3,15 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use longstep::dialogue::{Constraint, ConstraintKind, Dialogue, Reply};
-use longstep::domain;
 use longstep::understanding::{Understanding, UnderstandingInput};
-use longstep_eval::suite::{domain_name, load, shipped, shipped_names};
+use longstep_eval::suite::{load_shipped, shipped_names};
 use serde_json::json;
 
 #[test]
 fn the_right_answers_of_all_suites_are_read() {
     let mut answers = 0;
     for name in shipped_names() {
-        let files = shipped(name).unwrap();
-        let domain = domain::shipped(&domain_name(&files).unwrap()).unwrap().unwrap();
-        let suite = load(&files, &domain).unwrap();
+        let (domain, suite) = load_shipped(name).unwrap().unwrap();
         for case in &suite.cases {
             let world = suite.judged_world(case);
             for step in &case.steps {

@@ -39,8 +39,7 @@ impl Notation<'_> {
     pub(crate) fn behavior_tree(&self, guards: bool) -> Result<String, Failure> {
         let guards = if guards { Guards::Preconditions } else { Guards::None };
         let written = behavior_tree::write(self.plan.world(), self.plan.plan(), guards).map_err(|error| {
-            Failure::unreadable(format!("no behavior tree can have this plan: {error}"))
-                .hint("rename the entity, or leave out `guards`".to_owned())
+            Failure::unreadable(format!("no behavior tree can have this plan: {error}")).hint(error.hint().to_owned())
         })?;
         Ok(text(&written))
     }

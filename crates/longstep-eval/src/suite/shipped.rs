@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use include_dir::{Dir, include_dir};
 
-use super::Files;
+use longstep::domain::{self, Domain};
+use longstep_core::diagnostic::Diagnostics;
+
+use super::{Files, Suite, domain_name, load};
 
 static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/suites");
 
@@ -13,6 +16,30 @@ pub fn shipped_names() -> Vec<&'static str> {
     let mut names: Vec<&str> = SHIPPED.dirs().filter_map(|dir| dir.path().to_str()).collect();
     names.sort_unstable();
     names
+}
+
+/// Loads the shipped suite with this name and its domain; none if there is no such suite.
+///
+/// ```
+/// use longstep_eval::suite;
+/// let (domain, suite) = suite::load_shipped("two-arms").unwrap().unwrap();
+/// assert_eq!((domain.name.as_str(), suite.name.as_str()), ("household-dual", "two-arms"));
+/// assert!(suite::load_shipped("three-arms").is_none());
+/// ```
+///
+/// # Errors
+///
+/// None in practice: the tests load every shipped suite.
+pub fn load_shipped(name: &str) -> Option<Result<(Domain, Suite), Diagnostics>> {
+    let files = shipped(name)?;
+    let domain = match domain_name(&files) {
+        Ok(domain) => domain::shipped(&domain)?,
+        Err(findings) => Err(findings),
+    };
+    Some(domain.and_then(|domain| {
+        let suite = load(&files, &domain)?;
+        Ok((domain, suite))
+    }))
 }
 
 /// The files of the shipped suite with this name.

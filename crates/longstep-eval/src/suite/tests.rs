@@ -104,10 +104,8 @@ fn suite_reader_reports_all_broken_files_together() {
     );
 }
 
-fn load_shipped(name: &str) -> (Domain, Suite) {
-    let files = shipped(name).unwrap();
-    let domain = domain::shipped(&domain_name(&files).unwrap()).unwrap().unwrap();
-    let suite = load(&files, &domain).unwrap_or_else(|faults| panic!("{faults}"));
+fn loaded(name: &str) -> (Domain, Suite) {
+    let (domain, suite) = load_shipped(name).unwrap().unwrap_or_else(|faults| panic!("{faults}"));
     assert_eq!(suite.name, name);
     (domain, suite)
 }
@@ -116,7 +114,7 @@ fn load_shipped(name: &str) -> (Domain, Suite) {
 #[test]
 fn every_expected_goal_can_be_reached() {
     for name in shipped_names() {
-        let (_, suite) = load_shipped(name);
+        let (_, suite) = loaded(name);
         assert_eq!(
             suite.goal_findings(&longstep::Limits::default()),
             GoalFindings::default()
@@ -185,7 +183,7 @@ fn shipped_suites_have_the_expected_number_of_cases() {
     let counts: BTreeMap<&str, (usize, usize)> = shipped_names()
         .into_iter()
         .map(|name| {
-            let (_, suite) = load_shipped(name);
+            let (_, suite) = loaded(name);
             (
                 name,
                 (suite.cases.len(), suite.cases.iter().map(|case| case.steps.len()).sum()),
@@ -206,7 +204,7 @@ fn shipped_suites_have_the_expected_number_of_cases() {
         ]
         .into()
     );
-    let (_, kitchen) = load_shipped("kitchen");
+    let (_, kitchen) = loaded("kitchen");
     let asks = kitchen
         .cases
         .iter()

@@ -36,11 +36,7 @@ fn behavior_tree_cpp_ticks_the_plans_of_all_suites() {
     let mut peer = Peer::start(program.as_ref(), folder.path()).unwrap();
     let (mut count, mut runs, mut failed) = (0, 0, 0);
     for name in suite::shipped_names() {
-        let files = suite::shipped(name).unwrap();
-        let domain = longstep::domain::shipped(&suite::domain_name(&files).unwrap())
-            .unwrap()
-            .unwrap();
-        let suite = suite::load(&files, &domain).unwrap();
+        let (_, suite) = suite::load_shipped(name).unwrap().unwrap();
         for (plan, _) in suite.plans().unwrap() {
             count += 1;
             let mut choose = choices(count);

@@ -28,14 +28,12 @@ fn shipped_domains() -> Vec<Domain> {
 fn plans_by_domain() -> BTreeMap<String, Vec<VerifiedPlan>> {
     let mut forms: BTreeMap<(String, usize), Vec<VerifiedPlan>> = BTreeMap::new();
     for name in suite::shipped_names() {
-        let files = suite::shipped(name).unwrap();
-        let domain = suite::domain_name(&files).unwrap();
-        let loaded = longstep::domain::shipped(&domain).unwrap().unwrap();
-        for (plan, _) in suite::load(&files, &loaded).unwrap().plans().unwrap() {
+        let (domain, suite) = suite::load_shipped(name).unwrap().unwrap();
+        for (plan, _) in suite.plans().unwrap() {
             let lanes = schedule::share(plan.world(), &plan, &Purpose::default()).map(|shared| shared.plan);
             let form = usize::from(!plan.plan().is_sequence());
             for (form, plan) in [(form, plan)].into_iter().chain(lanes.map(|lanes| (2, lanes))) {
-                let own = forms.entry((domain.clone(), form)).or_default();
+                let own = forms.entry((domain.name.clone(), form)).or_default();
                 if own.len() < MOST && plan.steps().len() > 1 {
                     own.push(plan);
                 }

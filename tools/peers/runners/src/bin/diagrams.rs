@@ -23,9 +23,7 @@ fn main() -> Anyhow<()> {
         .max(1);
     let mut count = 0;
     for name in suite::shipped_names() {
-        let files = suite::shipped(name).ok_or("no such suite")?;
-        let domain = longstep::domain::shipped(&suite::domain_name(&files)?).ok_or("no such domain")??;
-        let suite = suite::load(&files, &domain)?;
+        let (_, suite) = suite::load_shipped(name).ok_or("no such suite")??;
         let plans = suite.plans().map_err(|report| format!("{:?}", report.violations))?;
         for (plan, purpose) in plans {
             // Plans that branch, loop or have lanes are few, and are all drawn.

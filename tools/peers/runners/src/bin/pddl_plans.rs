@@ -62,9 +62,7 @@ struct Written {
 fn write_all(folder: &Path, every: usize) -> Anyhow<Vec<Solved>> {
     let mut written = Written::default();
     for name in suite::shipped_names() {
-        let files = suite::shipped(name).ok_or("no such suite")?;
-        let domain = longstep::domain::shipped(&suite::domain_name(&files)?).ok_or("no such domain")??;
-        let suite = suite::load(&files, &domain)?;
+        let (_, suite) = suite::load_shipped(name).ok_or("no such suite")??;
         let plans = suite.plans().map_err(|report| format!("{:?}", report.violations))?;
         for (plan, purpose) in plans {
             written.plans += 1;
